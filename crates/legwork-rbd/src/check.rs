@@ -1,0 +1,212 @@
+//! What is impossible: names, numbers, trees, and coordinates that move nothing or leave the plane.
+
+use nalgebra::Matrix3;
+
+use crate::assemble::{FLOATING_BASE, PLANAR_BASE};
+use crate::description::{BodyDescription, Description};
+use crate::dynamics::Dynamics;
+use crate::error::ModelError;
+use crate::joint::{Base, Joint, Placement};
+use crate::model::Model;
+
+impl Description {
+    pub(crate) fn check_names(&self) -> Result<(), ModelError> {
+        if self.bodies.is_empty() {
+            return Err(self.invalid(None, "bodies", "none; a robot has at least one body with mass"));
+        }
+        let reserved: &[&str] = match self.base {
+            Base::Fixed => &[],
+            Base::Planar => &PLANAR_BASE,
+            Base::Floating => &FLOATING_BASE,
+        };
+        for (i, body) in self.bodies.iter().enumerate() {
+            let (subject, joint) = (format!("body {:?}", body.name), &body.joint);
+            if body.name.trim().is_empty() {
+                return Err(self.invalid(body.line, "a body's name", "is empty"));
+            }
+            if body.parent.is_some() && joint.name.trim().is_empty() {
+                return Err(self.invalid(joint.line.or(body.line), subject, "the name of its joint is empty"));
+            }
+            if self.bodies[..i].iter().any(|other| other.name == body.name) {
+                return Err(self.invalid(body.line, subject, "the name is given twice; body names must differ"));
+            }
+            let others = self.bodies[..i].iter().filter(|other| other.parent.is_some());
+            if body.parent.is_some() && others.into_iter().any(|other| other.joint.name == joint.name) {
+                let problem = "the name is given twice; joint names must differ";
+                return Err(self.invalid(joint.line, format!("joint {:?}", joint.name), problem));
+            }
+            if reserved.contains(&joint.name.as_str()) && body.parent.is_some() {
+                let problem = format!("the name belongs to the base's own coordinates ({})", reserved.join(", "));
+                return Err(self.invalid(joint.line, format!("joint {:?}", joint.name), problem));
+            }
+            if self.base == Base::Planar && PLANAR_BASE[..2].contains(&body.name.as_str()) {
+                return Err(self.invalid(body.line, subject, "the name belongs to the planar base's virtual bodies"));
+            }
+        }
+        Ok(())
+    }
+
+    /// What can be said of one body and its joint alone. Numbers are known to be finite.
+    pub(crate) fn check_body(&self, body: &BodyDescription) -> Result<(), ModelError> {
+        let subject = format!("body {:?}", body.name);
+        if body.mass < 0.0 {
+            return Err(self.invalid(body.line, subject, format!("mass {} kg is negative", body.mass)));
+        }
+        if body.mass == 0.0 && body.inertia != Matrix3::zeros() {
+            return Err(self.invalid(body.line, subject, "inertia without mass; give the mass as well, or neither"));
+        }
+        let largest = body.inertia.abs().max();
+        if (body.inertia - body.inertia.transpose()).abs().max() > 1e-9 * largest {
+            return Err(self.invalid(body.line, subject, "the inertia is not symmetric"));
+        }
+        if largest > 0.0 && !is_semi_definite(&(body.inertia / largest), 1e-9) {
+            let problem = format!(
+                "the inertia about the centre of mass is not positive definite (diagonal {}, {}, {} kg m²)",
+                body.inertia[(0, 0)],
+                body.inertia[(1, 1)],
+                body.inertia[(2, 2)]
+            );
+            return Err(self.invalid(body.line, subject, problem));
+        }
+        // 1 % and 1e-6 kg m² leave room for files with few digits
+        if triangle_violation(&body.inertia, 0.01 * body.inertia.trace() + 1e-6) {
+            return Err(self.invalid(body.line, subject, TRIANGLE));
+        }
+        self.check_joint(body)
+    }
+
+    fn check_joint(&self, body: &BodyDescription) -> Result<(), ModelError> {
+        let joint = &body.joint;
+        let (subject, line) = (format!("joint {:?}", joint.name), joint.line.or(body.line));
+        if joint.lower > joint.upper {
+            let problem = format!("limits are crossed: lower {} is above upper {}", joint.lower, joint.upper);
+            return Err(self.invalid(line, subject, problem));
+        }
+        for (what, limit) in [("velocity", joint.velocity_limit), ("effort", joint.effort_limit)] {
+            if limit <= 0.0 {
+                let problem = format!("{what} limit {limit} is not positive; leave it out for no limit");
+                return Err(self.invalid(line, subject, problem));
+            }
+        }
+        if joint.damping < 0.0 {
+            return Err(self.invalid(line, subject, format!("damping {} is negative", joint.damping)));
+        }
+        if body.parent.is_none() && joint.kind != Joint::Fixed {
+            let problem = format!("body {:?} has no parent, so its joint is the base's; name a parent", body.name);
+            return Err(self.invalid(line, subject, problem));
+        }
+        if body.parent.is_none() && self.base != Base::Fixed && joint.placement != Placement::identity() {
+            let problem = "the root link's origin has a meaning only with base = \"fixed\"; leave it out";
+            return Err(self.invalid(line, subject, problem));
+        }
+        Ok(())
+    }
+
+    /// Indices of the bodies, parents first, otherwise in the order of the file.
+    pub(crate) fn order(&self) -> Result<Vec<usize>, ModelError> {
+        let roots: Vec<_> = self.bodies.iter().filter(|body| body.parent.is_none()).collect();
+        if let [_, second, ..] = roots[..] {
+            let names: Vec<_> = roots.iter().map(|body| body.name.as_str()).collect();
+            let problem = format!("{} bodies have no parent ({}); a robot has one root", roots.len(), names.join(", "));
+            return Err(self.invalid(second.line, format!("body {:?}", second.name), problem));
+        }
+        for body in &self.bodies {
+            if let Some(parent) = &body.parent
+                && !self.bodies.iter().any(|other| other.name == *parent)
+            {
+                let problem = format!("unknown parent {parent:?}; {}", self.known_bodies());
+                return Err(self.invalid(body.line, format!("body {:?}", body.name), problem));
+            }
+        }
+        let mut order: Vec<usize> = Vec::with_capacity(self.bodies.len());
+        let mut placed = vec![false; self.bodies.len()];
+        while order.len() < self.bodies.len() {
+            let next = (0..self.bodies.len()).find(|&i| {
+                !placed[i]
+                    && self.bodies[i]
+                        .parent
+                        .as_ref()
+                        .is_none_or(|parent| order.iter().any(|&k: &usize| self.bodies[k].name == *parent))
+            });
+            let Some(next) = next else {
+                let stuck: Vec<_> = (0..placed.len()).filter(|&i| !placed[i]).collect();
+                let names: Vec<_> = stuck.iter().map(|&i| self.bodies[i].name.as_str()).collect();
+                let problem = format!("is in a loop of parents ({}); a robot is a tree", names.join(", "));
+                let body = &self.bodies[stuck[0]];
+                return Err(self.invalid(body.line, format!("body {:?}", body.name), problem));
+            };
+            placed[next] = true;
+            order.push(next);
+        }
+        Ok(order)
+    }
+
+    /// Whether every coordinate moves mass, and a planar robot stays in its plane.
+    pub(crate) fn check_motion(&self, model: &Model) -> Result<(), ModelError> {
+        if model.total_mass() <= 0.0 {
+            return Err(self.invalid(None, "bodies", "no body has mass"));
+        }
+        let mut dynamics = Dynamics::new(model);
+        let (q, v) = (model.neutral(), vec![0.0; model.nv()]);
+        dynamics.update(model, q.as_slice(), &v);
+        for (j, dof) in model.dofs.iter().enumerate() {
+            let body = &model.bodies[dof.body];
+            let line = self.joint_line(&body.name);
+            let (subject, moved) = (format!("joint {:?}", body.joint_name), dynamics.composite[dof.body].mass);
+            let inertia = dynamics.mass_matrix[(j, j)];
+            if !(inertia > 0.0 && inertia.is_finite()) {
+                let problem = if !inertia.is_finite() {
+                    "moves more than numbers can hold; a mass or a length beyond it is too large".to_owned()
+                } else if moved > 0.0 {
+                    format!("moves no inertia about its axis; give body {:?} an inertia", body.name)
+                } else {
+                    format!("moves no mass; give body {:?} a mass, or fix the joint", body.name)
+                };
+                return Err(self.invalid(line, subject, problem));
+            }
+            if !model.is_planar() || dof.body <= model.root() {
+                continue;
+            }
+            // The tolerance admits π/2 given as 1.5708
+            let s = &dynamics.subspace[j];
+            if dof.rotational && (s.angular.x.abs() > 1e-4 || s.angular.z.abs() > 1e-4) {
+                let problem = "its axis is not parallel to y, so the robot leaves the plane; \
+                               use base = \"floating\", or fix the joint";
+                return Err(self.invalid(line, subject, problem));
+            }
+            if !dof.rotational && s.linear.y.abs() > 1e-4 {
+                let problem = "its axis is not perpendicular to y, so the robot leaves the plane; \
+                               use base = \"floating\", or fix the joint";
+                return Err(self.invalid(line, subject, problem));
+            }
+        }
+        Ok(())
+    }
+}
+
+pub(crate) const TRIANGLE: &str =
+    "no body has this inertia: a principal moment is larger than the sum of the other two";
+
+/// Whether a principal moment exceeds the sum of the other two by more than `slack` [kg m²].
+///
+/// With the second moments of mass Σ = ½ tr(I) 1 − I this is λ_min(Σ) < −slack/2 (Wensing, Kim, Slotine 2018).
+pub(crate) fn triangle_violation(inertia: &Matrix3<f64>, slack: f64) -> bool {
+    let trace = inertia.trace();
+    if trace <= 0.0 {
+        return false;
+    }
+    let second_moments = Matrix3::identity() * 0.5 - inertia / trace;
+    !is_semi_definite(&second_moments, 0.5 * slack / trace)
+}
+
+/// Whether a symmetric matrix of order one has no eigenvalue below −`tolerance`: all principal minors, Sylvester.
+fn is_semi_definite(matrix: &Matrix3<f64>, tolerance: f64) -> bool {
+    let m = matrix + Matrix3::identity() * tolerance;
+    let minor = |i: usize, j: usize| m[(i, i)] * m[(j, j)] - m[(i, j)] * m[(j, i)];
+    let rounding = -1e-15;
+    (0..3).all(|i| m[(i, i)] >= rounding)
+        && minor(0, 1) >= rounding
+        && minor(0, 2) >= rounding
+        && minor(1, 2) >= rounding
+        && m.determinant() >= rounding
+}

@@ -1,0 +1,126 @@
+//! The description that a file gives of a robot, and its way to a checked [`Model`].
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::error::ModelError;
+use crate::joint::{Base, Joint, Placement};
+use crate::model::Model;
+use crate::oddities::oddities;
+
+/// What a file says, in SI units, before any check across entries.
+pub(crate) struct Description {
+    pub(crate) file: String,
+    pub(crate) name: String,
+    pub(crate) base: Base,
+    pub(crate) gravity: f64,
+    pub(crate) torso: Option<String>,
+    /// Of a planar base.
+    pub(crate) pitch_limits: (f64, f64),
+    pub(crate) feet: Option<Vec<String>>,
+    pub(crate) bodies: Vec<BodyDescription>,
+    pub(crate) contacts: Vec<ContactDescription>,
+    pub(crate) warnings: Vec<String>,
+    /// Where torso, contacts and feet come from: the file itself, or the one beside a URDF.
+    pub(crate) side_file: String,
+}
+
+pub(crate) struct BodyDescription {
+    pub(crate) name: String,
+    pub(crate) parent: Option<String>,
+    pub(crate) mass: f64,
+    pub(crate) com: Vector3<f64>,
+    pub(crate) inertia: Matrix3<f64>,
+    pub(crate) joint: JointDescription,
+    pub(crate) line: Option<usize>,
+}
+
+pub(crate) struct JointDescription {
+    pub(crate) name: String,
+    pub(crate) kind: Joint,
+    pub(crate) placement: Placement,
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+    pub(crate) velocity_limit: f64,
+    pub(crate) effort_limit: f64,
+    pub(crate) damping: f64,
+    pub(crate) actuated: bool,
+    pub(crate) line: Option<usize>,
+}
+
+pub(crate) struct ContactDescription {
+    pub(crate) name: String,
+    pub(crate) body: String,
+    pub(crate) position: Vector3<f64>,
+    pub(crate) foot: String,
+    pub(crate) line: Option<usize>,
+}
+
+impl Description {
+    pub(crate) fn invalid(
+        &self,
+        line: Option<usize>,
+        subject: impl Into<String>,
+        problem: impl Into<String>,
+    ) -> ModelError {
+        ModelError::Invalid { file: self.file.clone(), line, subject: subject.into(), problem: problem.into() }
+    }
+
+    pub(crate) fn invalid_beside(
+        &self,
+        line: Option<usize>,
+        subject: impl Into<String>,
+        problem: String,
+    ) -> ModelError {
+        ModelError::Invalid { file: self.side_file.clone(), line, subject: subject.into(), problem }
+    }
+
+    /// Checks everything and assembles the model.
+    pub(crate) fn build(mut self) -> Result<Model, ModelError> {
+        if !(self.gravity.is_finite() && self.gravity >= 0.0) {
+            let problem = format!("{}; it must be finite and not negative (9.81 on Earth)", self.gravity);
+            return Err(self.invalid_beside(None, "gravity_mps2", problem));
+        }
+        self.check_names()?;
+        for body in &self.bodies {
+            self.check_body(body)?;
+        }
+        let order = self.order()?;
+        let mut model = self.assemble(&order);
+        self.check_motion(&model)?;
+        self.add_contacts(&mut model)?;
+        self.add_torso(&mut model)?;
+        let mut warnings = std::mem::take(&mut self.warnings);
+        warnings.extend(oddities(&model));
+        model.warnings = warnings;
+        Ok(model)
+    }
+
+    pub(crate) fn known_bodies(&self) -> String {
+        let names: Vec<_> = self.bodies.iter().map(|body| body.name.as_str()).collect();
+        let rest = if names.len() > 30 { ", …" } else { "" };
+        format!("valid are {}{rest}", names[..names.len().min(30)].join(", "))
+    }
+
+    pub(crate) fn joint_line(&self, body: &str) -> Option<usize> {
+        let body = self.bodies.iter().find(|other| other.name == body)?;
+        body.joint.line.or(body.line)
+    }
+}
+
+impl JointDescription {
+    /// A joint without limits, damping or motor.
+    pub(crate) fn new(name: String, kind: Joint, placement: Placement) -> Self {
+        Self {
+            name,
+            kind,
+            placement,
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            velocity_limit: f64::INFINITY,
+            effort_limit: f64::INFINITY,
+            damping: 0.0,
+            actuated: false,
+            line: None,
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! All quantities of one state, computed together.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use crate::joint::{Joint, Placement};
+use crate::model::Model;
+use crate::spatial::{Force, Inertia, Motion};
+
+/// The end of a chain of velocity coordinates.
+pub(crate) const NONE: usize = usize::MAX;
+
+/// Every dynamic quantity of one state (q, v), and all scratch. Valid after [`Dynamics::update`].
+///
+/// nv: velocity coordinates; nc: contact points; d: linear axes (2 in the plane, 3 in space); r: angular and linear axes
+/// (3 or 6). The equation of motion reads `M v̇ + bias + damping = Sᵀ τ + Jᵀ ρ`.
+#[derive(Clone, Debug)]
+pub struct Dynamics {
+    /// M (nv × nv), symmetric, SI units.
+    pub mass_matrix: DMatrix<f64>,
+    /// h = C v + G (nv) [Nm or N], without damping.
+    pub bias: DVector<f64>,
+    /// G (nv) [Nm or N]: what holds the robot at rest.
+    pub gravity: DVector<f64>,
+    /// B v (nv) [Nm or N]: it opposes the motion, on the side of `bias`.
+    pub damping: DVector<f64>,
+    /// The centre of mass [m].
+    pub com: Vector3<f64>,
+    /// Its velocity [m/s].
+    pub com_velocity: Vector3<f64>,
+    /// Its Jacobian (d × nv).
+    pub com_jacobian: DMatrix<f64>,
+    /// The centroidal momentum matrix A (r × nv): rows along the angular axes, about the centre of mass, then along the
+    /// linear axes.
+    pub momentum_matrix: DMatrix<f64>,
+    /// Ȧ v (r) [Nm, N].
+    pub momentum_bias: DVector<f64>,
+    /// Contact points (nc) [m].
+    pub contact_positions: Vec<Vector3<f64>>,
+    /// Their velocities (nc) [m/s].
+    pub contact_velocities: Vec<Vector3<f64>>,
+    /// Their Jacobians, stacked (d nc × nv).
+    pub contact_jacobian: DMatrix<f64>,
+    /// J̇ v (d nc) [m/s²].
+    pub contact_bias: DVector<f64>,
+    /// The torso's angular velocity in v (angular axes × nv).
+    pub torso_jacobian: DMatrix<f64>,
+    /// Its J̇ v (angular axes) [rad/s²].
+    pub torso_bias: DVector<f64>,
+    /// Poses of the bodies' frames in the world.
+    pub world_from_body: Vec<Placement>,
+    /// Velocities of the bodies: angular, and linear at the body's origin.
+    pub body_velocity: Vec<Motion>,
+    /// [J]
+    pub kinetic_energy: f64,
+    /// [J], zero with the centre of mass at z = 0.
+    pub potential_energy: f64,
+
+    /// The point all that follows refers to: the root link's origin in the world.
+    pub(crate) reference: Vector3<f64>,
+    pub(crate) relative: Vec<Placement>,
+    pub(crate) velocity: Vec<Motion>,
+    pub(crate) acceleration: Vec<Motion>,
+    pub(crate) subspace: Vec<Motion>,
+    pub(crate) subspace_momentum: Vec<Force>,
+    pub(crate) composite: Vec<Inertia>,
+    pub(crate) force: Vec<Force>,
+    pub(crate) momentum: Force,
+    /// For each velocity coordinate the next one toward the base.
+    pub(crate) parent_dof: Vec<usize>,
+    /// For each body the outermost velocity coordinate that moves it.
+    last_dof: Vec<usize>,
+    /// The torso's coordinates in the plane, with the sign of their axes against −y.
+    torso_chain: Vec<(usize, f64)>,
+    /// The sum of their angles.
+    torso_turn: f64,
+}
+
+impl Dynamics {
+    /// Allocates everything for `model`; the values are those of no state yet.
+    #[must_use]
+    pub fn new(model: &Model) -> Self {
+        let (nv, nc, nb) = (model.nv(), model.nc(), model.bodies.len());
+        let (d, angular) = (model.linear_axes().len(), model.angular_axes().len());
+        let (parent_dof, last_dof) = chains(model);
+        let torso_chain = planar_chain(model, model.torso, &parent_dof, &last_dof);
+        Self {
+            mass_matrix: DMatrix::zeros(nv, nv),
+            bias: DVector::zeros(nv),
+            gravity: DVector::zeros(nv),
+            damping: DVector::zeros(nv),
+            com: Vector3::zeros(),
+            com_velocity: Vector3::zeros(),
+            com_jacobian: DMatrix::zeros(d, nv),
+            momentum_matrix: DMatrix::zeros(angular + d, nv),
+            momentum_bias: DVector::zeros(angular + d),
+            contact_positions: vec![Vector3::zeros(); nc],
+            contact_velocities: vec![Vector3::zeros(); nc],
+            contact_jacobian: DMatrix::zeros(d * nc, nv),
+            contact_bias: DVector::zeros(d * nc),
+            torso_jacobian: DMatrix::zeros(angular, nv),
+            torso_bias: DVector::zeros(angular),
+            world_from_body: vec![Placement::identity(); nb],
+            body_velocity: vec![Motion::zero(); nb],
+            kinetic_energy: 0.0,
+            potential_energy: 0.0,
+            reference: Vector3::zeros(),
+            relative: vec![Placement::identity(); nb],
+            velocity: vec![Motion::zero(); nb],
+            acceleration: vec![Motion::zero(); nb],
+            subspace: vec![Motion::zero(); nv],
+            subspace_momentum: vec![Force::zero(); nv],
+            composite: vec![Inertia::zero(); nb],
+            force: vec![Force::zero(); nb],
+            momentum: Force::zero(),
+            parent_dof,
+            last_dof,
+            torso_chain,
+            torso_turn: 0.0,
+        }
+    }
+
+    /// Computes everything at the position `q` (nq) and velocity `v` (nv) in one pass out and one back. Allocates nothing.
+    /// The quaternion of a floating base need not have unit length, but must not be zero.
+    ///
+    /// # Panics
+    /// If a slice has a wrong length, or if `self` was made for another model.
+    pub fn update(&mut self, model: &Model, q: &[f64], v: &[f64]) {
+        assert_eq!((q.len(), v.len()), (model.nq(), model.nv()), "lengths of q and v");
+        assert_eq!(
+            (self.subspace.len(), self.force.len(), self.contact_positions.len()),
+            (model.nv(), model.bodies.len(), model.nc()),
+            "this Dynamics was made for another model"
+        );
+        self.kinematics(model, q, v);
+        self.body_inertias(model);
+        self.body_forces();
+        self.accumulate(model);
+        self.mass_matrix(model);
+        self.generalised_forces(model, v);
+        self.centroidal(model);
+        self.contacts(model);
+        self.torso(model, q);
+    }
+
+    /// The torso's posture [rad]: by how much it is turned from its orientation at the zero position.
+    ///
+    /// In the plane the angle about −y, as the sum of the joint angles that lead to the torso, hence without jumps at
+    /// ±π. Otherwise the elevation of the torso's x axis above the horizontal, from −π/2 to π/2.
+    #[must_use]
+    pub fn torso_angle(&self, model: &Model) -> f64 {
+        if model.is_planar() {
+            return self.torso_turn;
+        }
+        let x = self.world_from_body[model.torso].rotation.column(0).into_owned();
+        libm::atan2(x.z, libm::hypot(x.x, x.y))
+    }
+
+    /// The Jacobian (d × nv) of a point that is fixed to `body` and now at `world_point` [m], written to `out`.
+    ///
+    /// # Panics
+    /// If `out` has a wrong shape.
+    pub fn point_jacobian(&self, model: &Model, body: usize, world_point: &Vector3<f64>, out: &mut DMatrix<f64>) {
+        let axes = model.linear_axes();
+        assert_eq!(out.shape(), (axes.len(), model.nv()), "shape of the point's Jacobian");
+        let at = world_point - self.reference;
+        out.fill(0.0);
+        let mut j = self.last_dof[body];
+        while j != NONE {
+            let column = self.subspace[j].linear_at(&at);
+            for (r, axis) in axes.iter().enumerate() {
+                out[(r, j)] = axis.dot(&column);
+            }
+            j = self.parent_dof[j];
+        }
+    }
+
+    /// The velocity [m/s] of a point that is fixed to `body` and now at `world_point` [m].
+    #[must_use]
+    pub fn point_velocity(&self, body: usize, world_point: &Vector3<f64>) -> Vector3<f64> {
+        self.velocity[body].linear_at(&(world_point - self.reference))
+    }
+
+    /// The acceleration [m/s²] at v̇ = 0, that is J̇ v, of a point that is fixed to `body` and now at `world_point` [m].
+    #[must_use]
+    pub fn point_bias(&self, body: usize, world_point: &Vector3<f64>) -> Vector3<f64> {
+        let at = world_point - self.reference;
+        let velocity = &self.velocity[body];
+        // From the spatial to the point's own acceleration: + ω × (velocity of the point). Featherstone 2008, (2.48)
+        self.acceleration[body].linear_at(&at) + velocity.angular.cross(&velocity.linear_at(&at))
+    }
+
+    /// The Jacobian (angular axes × nv) of a body's angular velocity, written to `out`.
+    ///
+    /// # Panics
+    /// If `out` has a wrong shape.
+    pub fn angular_jacobian(&self, model: &Model, body: usize, out: &mut DMatrix<f64>) {
+        let axes = model.angular_axes();
+        assert_eq!(out.shape(), (axes.len(), model.nv()), "shape of the angular Jacobian");
+        out.fill(0.0);
+        let mut j = self.last_dof[body];
+        while j != NONE {
+            for (r, axis) in axes.iter().enumerate() {
+                out[(r, j)] = axis.dot(&self.subspace[j].angular);
+            }
+            j = self.parent_dof[j];
+        }
+    }
+
+    /// The angular acceleration [rad/s²] of a body at v̇ = 0, that is J̇ v of its angular velocity.
+    #[must_use]
+    pub fn angular_bias(&self, body: usize) -> Vector3<f64> {
+        self.acceleration[body].angular
+    }
+
+    fn contacts(&mut self, model: &Model) {
+        let axes = model.linear_axes();
+        let rows = axes.len() * model.nc();
+        for (k, contact) in model.contacts.iter().enumerate() {
+            let at = self.relative[contact.body].point(&contact.position);
+            let position = self.reference + at;
+            self.contact_positions[k] = position;
+            self.contact_velocities[k] = self.velocity[contact.body].linear_at(&at);
+            let velocity = &self.velocity[contact.body];
+            let bias =
+                self.acceleration[contact.body].linear_at(&at) + velocity.angular.cross(&self.contact_velocities[k]);
+            let first = axes.len() * k;
+            for (r, axis) in axes.iter().enumerate() {
+                self.contact_bias[first + r] = axis.dot(&bias);
+            }
+            let J = self.contact_jacobian.as_mut_slice();
+            let mut j = self.last_dof[contact.body];
+            while j != NONE {
+                let column = self.subspace[j].linear_at(&at);
+                for (r, axis) in axes.iter().enumerate() {
+                    J[j * rows + first + r] = axis.dot(&column);
+                }
+                j = self.parent_dof[j];
+            }
+        }
+    }
+
+    fn torso(&mut self, model: &Model, q: &[f64]) {
+        self.torso_turn = self.torso_chain.iter().map(|&(index, sign)| sign * q[index]).sum();
+        let axes = model.angular_axes();
+        let mut j = self.last_dof[model.torso];
+        while j != NONE {
+            for (r, axis) in axes.iter().enumerate() {
+                self.torso_jacobian[(r, j)] = axis.dot(&self.subspace[j].angular);
+            }
+            j = self.parent_dof[j];
+        }
+        for (r, axis) in axes.iter().enumerate() {
+            self.torso_bias[r] = axis.dot(&self.acceleration[model.torso].angular);
+        }
+    }
+}
+
+/// Featherstone 2008, Section 6.6: the tree of velocity coordinates, with several to a joint.
+fn chains(model: &Model) -> (Vec<usize>, Vec<usize>) {
+    let mut parent_dof = vec![NONE; model.nv()];
+    let mut last_dof = vec![NONE; model.bodies.len()];
+    for (i, body) in model.bodies.iter().enumerate() {
+        let mut last = body.parent.map_or(NONE, |parent| last_dof[parent]);
+        for j in body.v_index..body.v_index + body.joint.nv() {
+            parent_dof[j] = last;
+            last = j;
+        }
+        last_dof[i] = last;
+    }
+    (parent_dof, last_dof)
+}
+
+/// The rotational coordinates from the base to `body` of a planar model, each with +1 if it turns about −y, −1 about +y.
+fn planar_chain(model: &Model, body: usize, parent_dof: &[usize], last_dof: &[usize]) -> Vec<(usize, f64)> {
+    let mut chain = Vec::new();
+    if !model.is_planar() {
+        return chain;
+    }
+    // World orientations at the zero position; revolute joints keep y, so they hold for the axes at any position.
+    let mut rotations: Vec<nalgebra::Matrix3<f64>> = Vec::with_capacity(model.bodies.len());
+    for body in &model.bodies {
+        let parent = body.parent.map_or_else(nalgebra::Matrix3::identity, |parent| rotations[parent]);
+        rotations.push(parent * body.placement.rotation);
+    }
+    let mut j = last_dof[body];
+    while j != NONE {
+        let mover = &model.bodies[model.dofs[j].body];
+        if let Joint::Revolute { axis } = &mover.joint {
+            let axis_world = rotations[model.dofs[j].body] * axis.as_ref();
+            chain.push((mover.q_index, -axis_world.y.signum()));
+        }
+        j = parent_dof[j];
+    }
+    chain.reverse();
+    chain
+}

@@ -1,0 +1,216 @@
+//! The robot: bodies, joints, contact points. Read once, then immutable.
+
+use nalgebra::{DVector, Matrix3, Vector3};
+
+use crate::joint::{Base, Joint, Placement, integrate_floating};
+
+/// A rigid body with the joint that carries it. The body's frame is the joint's frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Unique.
+    pub name: String,
+    /// Index of the parent in [`Model::bodies`]; smaller than the body's own. `None`: the world.
+    pub parent: Option<usize>,
+    /// Unique.
+    pub joint_name: String,
+    /// How it moves against the parent.
+    pub joint: Joint,
+    /// The joint's frame in the parent's at zero position: `parent_from_joint`.
+    pub placement: Placement,
+    /// \[kg\]. Zero for the virtual bodies of a planar base, for frames and for links without inertia.
+    pub mass: f64,
+    /// The centre of mass in the body frame [m].
+    pub com: Vector3<f64>,
+    /// The rotational inertia about the centre of mass, body axes [kg m²].
+    pub inertia: Matrix3<f64>,
+    /// Where the joint's coordinates begin in q.
+    pub q_index: usize,
+    /// Where the joint's velocities begin in v.
+    pub v_index: usize,
+}
+
+/// A velocity coordinate: its name and limits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dof {
+    /// The joint's name; of a base `base_x`, `base_z`, `base_pitch`, or `base_wx` … `base_wz`, `base_vx` … `base_vz`.
+    pub name: String,
+    /// Whether a motor drives it. False for a base and for passive joints.
+    pub actuated: bool,
+    /// Lowest position [rad or m]; −∞ when not given.
+    pub lower: f64,
+    /// Highest position [rad or m]; ∞ when not given.
+    pub upper: f64,
+    /// Highest speed [rad/s or m/s]; ∞ when not given.
+    pub velocity_limit: f64,
+    /// Highest torque or force [Nm or N]; ∞ when not given.
+    pub effort_limit: f64,
+    /// Viscous damping [Nm s/rad or N s/m].
+    pub damping: f64,
+    /// Whether it is an angle rather than a distance.
+    pub rotational: bool,
+    /// The body it moves, in [`Model::bodies`].
+    pub body: usize,
+}
+
+/// A point of a body that may touch the ground.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactPoint {
+    /// Unique among contact points.
+    pub name: String,
+    /// The body it is fixed to, in [`Model::bodies`].
+    pub body: usize,
+    /// In the body frame [m].
+    pub position: Vector3<f64>,
+    /// The foot it belongs to, in [`Model::feet`].
+    pub foot: usize,
+}
+
+/// A robot. Made by [`Model::load`], [`Model::from_toml`] or [`Model::from_urdf`], which check it.
+///
+/// The numbers (a mass, a limit, a contact's place) may be changed afterwards, say to study a model error; the tree
+/// may not: a [`Dynamics`](crate::Dynamics) relies on the structure that it was made with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// The robot's name.
+    pub name: String,
+    /// What joins the root link to the world.
+    pub base: Base,
+    /// [m/s²], along −z.
+    pub gravity: f64,
+    /// Parents before children. A planar base puts two virtual bodies without mass before the root link.
+    pub bodies: Vec<Body>,
+    /// One for each velocity coordinate.
+    pub dofs: Vec<Dof>,
+    /// In the order of the file.
+    pub contacts: Vec<ContactPoint>,
+    /// The feet's names, right before left in the project's own models.
+    pub feet: Vec<String>,
+    /// The body whose orientation is the robot's posture, in [`Model::bodies`].
+    pub torso: usize,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Linear directions of a planar and of a spatial model.
+const PLANAR_LINEAR: [Vector3<f64>; 2] = [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
+/// Counter-clockwise as seen with x to the right and z up.
+const PLANAR_ANGULAR: [Vector3<f64>; 1] = [Vector3::new(0.0, -1.0, 0.0)];
+const SPATIAL: [Vector3<f64>; 3] =
+    [Vector3::new(1.0, 0.0, 0.0), Vector3::new(0.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0)];
+
+impl Model {
+    /// The number of position coordinates: `nv`, and one more on a floating base.
+    #[must_use]
+    pub fn nq(&self) -> usize {
+        self.dofs.len() + usize::from(self.base == Base::Floating)
+    }
+
+    /// The number of velocity coordinates.
+    #[must_use]
+    pub fn nv(&self) -> usize {
+        self.dofs.len()
+    }
+
+    /// The number of contact points.
+    #[must_use]
+    pub fn nc(&self) -> usize {
+        self.contacts.len()
+    }
+
+    /// Whether the robot lives in the x-z plane.
+    #[must_use]
+    pub fn is_planar(&self) -> bool {
+        self.base == Base::Planar
+    }
+
+    /// The directions of linear rows: x, z in the plane, otherwise x, y, z. Their number is called d.
+    #[must_use]
+    pub fn linear_axes(&self) -> &'static [Vector3<f64>] {
+        if self.is_planar() { &PLANAR_LINEAR } else { &SPATIAL }
+    }
+
+    /// The directions of angular rows: −y in the plane (counter-clockwise with x to the right and z up), otherwise
+    /// x, y, z.
+    #[must_use]
+    pub fn angular_axes(&self) -> &'static [Vector3<f64>] {
+        if self.is_planar() { &PLANAR_ANGULAR } else { &SPATIAL }
+    }
+
+    /// The root link's index in [`Model::bodies`].
+    #[must_use]
+    pub fn root(&self) -> usize {
+        if self.is_planar() { 2 } else { 0 }
+    }
+
+    /// The sum of all masses [kg].
+    #[must_use]
+    pub fn total_mass(&self) -> f64 {
+        self.bodies.iter().map(|body| body.mass).sum()
+    }
+
+    /// The zero position (nq): every coordinate zero, the quaternion of a floating base 1.
+    #[must_use]
+    pub fn neutral(&self) -> DVector<f64> {
+        let mut q = DVector::zeros(self.nq());
+        if self.base == Base::Floating {
+            q[0] = 1.0;
+        }
+        q
+    }
+
+    /// Moves from `q` (nq) with the constant velocity `v` (nv) for `dt` [s] and writes the new position to `out` (nq).
+    ///
+    /// The pose of a floating base follows its body-frame twist by the exponential map of SE(3), and its quaternion
+    /// comes out with unit length; all else is q + v dt.
+    ///
+    /// # Panics
+    /// If a slice has a wrong length.
+    pub fn integrate(&self, q: &[f64], v: &[f64], dt: f64, out: &mut [f64]) {
+        assert_eq!((q.len(), v.len(), out.len()), (self.nq(), self.nv(), self.nq()), "lengths of q, v, out");
+        let (mut from_q, mut from_v) = (0, 0);
+        if self.base == Base::Floating {
+            integrate_floating(q, v, dt, out);
+            (from_q, from_v) = (7, 6);
+        }
+        for ((out, q), v) in out[from_q..].iter_mut().zip(&q[from_q..]).zip(&v[from_v..]) {
+            *out = q + v * dt;
+        }
+    }
+
+    /// The names of the position coordinates (nq).
+    #[must_use]
+    pub fn q_names(&self) -> Vec<String> {
+        const FLOATING: [&str; 7] = ["base_qw", "base_qx", "base_qy", "base_qz", "base_x", "base_y", "base_z"];
+        let base = if self.base == Base::Floating { &FLOATING[..] } else { &[] };
+        let skip = if self.base == Base::Floating { 6 } else { 0 };
+        base.iter().map(|name| (*name).to_owned()).chain(self.dofs[skip..].iter().map(|d| d.name.clone())).collect()
+    }
+
+    /// The names of the velocity coordinates (nv).
+    #[must_use]
+    pub fn v_names(&self) -> Vec<String> {
+        self.dofs.iter().map(|dof| dof.name.clone()).collect()
+    }
+
+    /// The velocity coordinates that a motor drives, in order.
+    pub fn actuated(&self) -> impl Iterator<Item = usize> + '_ {
+        self.dofs.iter().enumerate().filter(|(_, dof)| dof.actuated).map(|(index, _)| index)
+    }
+
+    /// The index of a body in [`Model::bodies`].
+    #[must_use]
+    pub fn body_index(&self, name: &str) -> Option<usize> {
+        self.bodies.iter().position(|body| body.name == name)
+    }
+
+    /// The index of a velocity coordinate in [`Model::dofs`].
+    #[must_use]
+    pub fn dof_index(&self, name: &str) -> Option<usize> {
+        self.dofs.iter().position(|dof| dof.name == name)
+    }
+
+    /// What is odd about the model without being impossible, one sentence each.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+}

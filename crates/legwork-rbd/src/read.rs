@@ -1,0 +1,183 @@
+//! Reading model files: from the disk, and the checks that every text format shares.
+
+use std::path::Path;
+
+use nalgebra::{Unit, Vector3};
+use serde::de::DeserializeOwned;
+
+use crate::error::ModelError;
+use crate::joint::Base;
+use crate::model::Model;
+use crate::read_toml::read_toml;
+use crate::urdf::read_urdf;
+
+impl Model {
+    /// Reads a model from a `.toml` or `.urdf` file. Beside `robot.urdf`, `robot.legwork.toml` is read if it exists
+    /// ([`Model::from_urdf`] has its keys).
+    ///
+    /// # Errors
+    /// If the file cannot be read ([`ModelError::is_io`]) or does not describe a possible robot.
+    pub fn load(path: &Path) -> Result<Model, ModelError> {
+        Self::load_with_base(path, None)
+    }
+
+    /// As [`Model::load`], with another base than the file names.
+    ///
+    /// # Errors
+    /// As [`Model::load`].
+    pub fn load_with_base(path: &Path, base: Option<Base>) -> Result<Model, ModelError> {
+        let file = path.display().to_string();
+        let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase();
+        match extension.as_str() {
+            "toml" => read_toml(&read_text(path)?, &file, base),
+            "urdf" => {
+                let text = read_text(path)?;
+                let beside = path.with_extension("legwork.toml");
+                let side_text = if beside.exists() { Some(read_text(&beside)?) } else { None };
+                let side_name = beside.display().to_string();
+                read_urdf(&text, &file, side_text.as_deref().map(|text| (text, side_name.as_str())), base)
+            }
+            _ if path.is_dir() => read_text(path).and(Err(ModelError::UnknownKind { file })),
+            _ => Err(ModelError::UnknownKind { file }),
+        }
+    }
+
+    /// Reads a model from TOML; `file_name` is used in messages only.
+    ///
+    /// # Errors
+    /// If the text does not describe a possible robot.
+    pub fn from_toml(text: &str, file_name: &str) -> Result<Model, ModelError> {
+        Self::from_toml_with_base(text, file_name, None)
+    }
+
+    /// As [`Model::from_toml`], with another base than the text names.
+    ///
+    /// # Errors
+    /// As [`Model::from_toml`].
+    pub fn from_toml_with_base(text: &str, file_name: &str, base: Option<Base>) -> Result<Model, ModelError> {
+        read_toml(text, file_name, base)
+    }
+
+    /// Reads a model from URDF, with what URDF cannot say from the TOML text `sidecar` (text, name).
+    ///
+    /// The side file's keys are all optional: `base` ("floating" if not given; the argument `base` overrides it), `torso`
+    /// (the root link), `gravity_mps2` (9.81), `base_pitch` (limits, planar base), `contacts` and `feet` as in a TOML
+    /// model, and either `actuated` or `passive`, a list of joints (every joint that moves is actuated).
+    ///
+    /// Fixed joints are kept, as bodies that are rigidly attached. Continuous joints are revolute ones without limits. Meshes
+    /// and other shapes, transmissions and Gazebo's elements are ignored; so is Coulomb friction, with a warning. As usual
+    /// in URDF, limits that are all zero mean none.
+    ///
+    /// # Errors
+    /// If a text is malformed or does not describe a possible robot: mimic joints, loops, several roots, floating or
+    /// planar joints within the tree.
+    pub fn from_urdf(
+        text: &str,
+        file_name: &str,
+        sidecar: Option<(&str, &str)>,
+        base: Option<Base>,
+    ) -> Result<Model, ModelError> {
+        read_urdf(text, file_name, sidecar, base)
+    }
+}
+
+/// A whole text file.
+fn read_text(path: &Path) -> Result<String, ModelError> {
+    let file = path.display().to_string();
+    if path.is_dir() {
+        let mut names: Vec<String> = std::fs::read_dir(path)
+            .into_iter()
+            .flatten()
+            .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+            .filter(|name| name.ends_with(".toml") || name.ends_with(".urdf"))
+            .collect();
+        names.sort();
+        let files = if names.is_empty() { String::new() } else { format!(": {}", names.join(", ")) };
+        return Err(ModelError::Folder { file, files });
+    }
+    let bytes = std::fs::read(path).map_err(|source| ModelError::Io { file: file.clone(), source })?;
+    String::from_utf8(bytes).map_err(|error| ModelError::NotUtf8 { file, offset: error.utf8_error().valid_up_to() })
+}
+
+/// A text with its name, for messages with a place.
+pub(crate) struct Source<'a> {
+    file: &'a str,
+    text: &'a str,
+}
+
+impl<'a> Source<'a> {
+    pub(crate) fn new(file: &'a str, text: &'a str) -> Self {
+        Self { file, text }
+    }
+
+    /// The line, from one, of a byte offset.
+    pub(crate) fn line(&self, offset: usize) -> Option<usize> {
+        let before = self.text.as_bytes().get(..offset)?;
+        Some(1 + before.iter().filter(|byte| **byte == b'\n').count())
+    }
+
+    pub(crate) fn syntax(&self, line: Option<usize>, message: impl Into<String>) -> ModelError {
+        ModelError::Syntax { file: self.file.to_owned(), line, message: message.into() }
+    }
+
+    pub(crate) fn invalid(
+        &self,
+        line: Option<usize>,
+        subject: impl Into<String>,
+        problem: impl Into<String>,
+    ) -> ModelError {
+        ModelError::Invalid { file: self.file.to_owned(), line, subject: subject.into(), problem: problem.into() }
+    }
+
+    /// Parses TOML into `T`; `content` says what the file should hold.
+    pub(crate) fn parse_toml<T: DeserializeOwned>(&self, content: &str) -> Result<T, ModelError> {
+        if self.text.trim().is_empty() {
+            return Err(self.syntax(None, format!("is empty; it should hold {content}")));
+        }
+        toml::from_str(self.text).map_err(|error| {
+            let line = error.span().and_then(|span| self.line(span.start));
+            self.syntax(line, error.message())
+        })
+    }
+
+    pub(crate) fn finite(&self, line: Option<usize>, subject: &str, key: &str, value: f64) -> Result<f64, ModelError> {
+        if value.is_finite() {
+            return Ok(value);
+        }
+        Err(self.invalid(line, subject, format!("{key} is {value}; a finite number is needed")))
+    }
+
+    pub(crate) fn vector(
+        &self,
+        line: Option<usize>,
+        subject: &str,
+        key: &str,
+        value: [f64; 3],
+    ) -> Result<Vector3<f64>, ModelError> {
+        for entry in value {
+            self.finite(line, subject, key, entry)?;
+        }
+        Ok(Vector3::from(value))
+    }
+}
+
+/// The direction of a joint's axis. One that has unit length already is kept to the last bit, so that a model that was
+/// written is read back the same.
+pub(crate) fn unit_axis(
+    source: &Source,
+    line: Option<usize>,
+    subject: &str,
+    axis: [f64; 3],
+) -> Result<Unit<Vector3<f64>>, ModelError> {
+    let axis = source.vector(line, subject, "axis", axis)?;
+    // Scaled first: the squares of very large and very small entries leave the range of numbers
+    let largest = axis.amax();
+    if largest == 0.0 {
+        return Err(source.invalid(line, subject, "axis is zero; give a direction, such as [0, -1, 0]"));
+    }
+    if (axis.norm_squared() - 1.0).abs() < 1e-15 {
+        return Ok(Unit::new_unchecked(axis));
+    }
+    let scaled = axis / largest;
+    Ok(Unit::new_unchecked(scaled / libm::sqrt(scaled.norm_squared())))
+}

@@ -1,0 +1,251 @@
+//! URDF, through `urdf-rs`, and the file beside it that says what URDF cannot.
+
+use nalgebra::{Matrix3, Vector3};
+use serde::Deserialize;
+use toml::Spanned;
+use urdf_rs::JointType;
+
+use crate::description::{BodyDescription, Description, JointDescription};
+use crate::error::ModelError;
+use crate::joint::{Base, Joint, Placement, rotation_from_rpy};
+use crate::model::Model;
+use crate::model_file::{ContactEntry, GRAVITY, PitchLimits};
+use crate::read::{Source, unit_axis};
+use crate::read_toml::{contacts, pitch_limits};
+use crate::urdf_text::{element_line, parse};
+
+/// `robot.legwork.toml` beside `robot.urdf`.
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SideFile {
+    base: Option<Base>,
+    torso: Option<String>,
+    gravity_mps2: Option<f64>,
+    base_pitch: Option<PitchLimits>,
+    feet: Option<Vec<String>>,
+    actuated: Option<Vec<String>>,
+    passive: Option<Vec<String>>,
+    #[serde(default)]
+    contacts: Vec<Spanned<ContactEntry>>,
+}
+
+pub(crate) fn read_urdf(
+    text: &str,
+    file_name: &str,
+    sidecar: Option<(&str, &str)>,
+    base: Option<Base>,
+) -> Result<Model, ModelError> {
+    let source = Source::new(file_name, text);
+    let robot = parse(text, &source)?;
+    let (side_text, side_name) = sidecar.unwrap_or(("", file_name));
+    let side_source = Source::new(side_name, side_text);
+    let side: SideFile = match sidecar {
+        Some(_) => side_source.parse_toml("base, torso, contacts, actuated or passive")?,
+        None => SideFile::default(),
+    };
+    let mut warnings = Vec::new();
+    let mut bodies = bodies(&robot, text, &source, &mut warnings)?;
+    mark_actuated(&mut bodies, &side, &side_source)?;
+    let base = base.or(side.base).unwrap_or(Base::Floating);
+    Description {
+        file: file_name.to_owned(),
+        name: robot.name,
+        base,
+        gravity: side.gravity_mps2.unwrap_or(GRAVITY),
+        torso: side.torso,
+        pitch_limits: pitch_limits(side.base_pitch, base, &side_source)?,
+        feet: side.feet,
+        bodies,
+        contacts: contacts(&side.contacts, &side_source)?,
+        warnings,
+        side_file: side_name.to_owned(),
+    }
+    .build()
+}
+
+/// The root link, then the children in the order of the file's joints.
+fn bodies(
+    robot: &urdf_rs::Robot,
+    text: &str,
+    source: &Source,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<BodyDescription>, ModelError> {
+    check_tree(robot, text, source)?;
+    let mut bodies = Vec::with_capacity(robot.links.len());
+    let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child.link == name);
+    for link in robot.links.iter().filter(|link| !is_child(&link.name)) {
+        let joint = JointDescription::new("base".to_owned(), Joint::Fixed, Placement::identity());
+        bodies.push(body(link, None, joint, text, source)?);
+    }
+    for joint in &robot.joints {
+        let link = robot.links.iter().find(|link| link.name == joint.child.link).expect("checked above");
+        let described = describe_joint(joint, text, source, warnings)?;
+        bodies.push(body(link, Some(joint.parent.link.clone()), described, text, source)?);
+    }
+    Ok(bodies)
+}
+
+/// What [`Description::build`] would misname: it knows bodies with one parent each.
+fn check_tree(robot: &urdf_rs::Robot, text: &str, source: &Source) -> Result<(), ModelError> {
+    let names: Vec<_> = robot.links.iter().map(|link| link.name.as_str()).collect();
+    if names.is_empty() {
+        return Err(source.invalid(None, "robot", "has no links"));
+    }
+    for (i, name) in names.iter().enumerate() {
+        if names[..i].contains(name) {
+            let problem = "the name is given twice; link names must differ";
+            return Err(source.invalid(element_line(text, "link", name), format!("link {name:?}"), problem));
+        }
+    }
+    for (i, joint) in robot.joints.iter().enumerate() {
+        let subject = format!("joint {:?}", joint.name);
+        let line = element_line(text, "joint", &joint.name);
+        for (role, link) in [("parent", &joint.parent.link), ("child", &joint.child.link)] {
+            if !names.contains(&link.as_str()) {
+                let problem = format!("unknown {role} link {link:?}; valid are {}", names.join(", "));
+                return Err(source.invalid(line, subject, problem));
+            }
+        }
+        if let Some(other) = robot.joints[..i].iter().find(|other| other.child.link == joint.child.link) {
+            let problem = format!(
+                "link {:?} has two parents, by this joint and by {:?}: a loop; a robot is a tree",
+                joint.child.link, other.name
+            );
+            return Err(source.invalid(line, subject, problem));
+        }
+    }
+    if names.iter().all(|name| robot.joints.iter().any(|joint| joint.child.link == *name)) {
+        return Err(source.invalid(None, "robot", "every link is a child of another: a loop; a robot has one root"));
+    }
+    Ok(())
+}
+
+fn body(
+    link: &urdf_rs::Link,
+    parent: Option<String>,
+    joint: JointDescription,
+    text: &str,
+    source: &Source,
+) -> Result<BodyDescription, ModelError> {
+    let line = element_line(text, "link", &link.name);
+    let subject = format!("link {:?}", link.name);
+    let finite = |key: &str, value| source.finite(line, &subject, key, value);
+    let i = &link.inertial.inertia;
+    let entries = [i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz];
+    for entry in entries {
+        finite("inertia", entry)?;
+    }
+    let rpy = source.vector(line, &subject, "rpy of the inertial", *link.inertial.origin.rpy)?;
+    let about_com = Matrix3::from_row_slice(&entries);
+    // The file's axes may be turned against the link's
+    let rotation = rotation_from_rpy(rpy.into());
+    let turned = rotation * about_com * rotation.transpose();
+    let turned = if rpy == Vector3::zeros() { about_com } else { (turned + turned.transpose()) * 0.5 };
+    Ok(BodyDescription {
+        name: link.name.clone(),
+        parent,
+        mass: finite("mass", link.inertial.mass.value)?,
+        com: source.vector(line, &subject, "xyz of the inertial", *link.inertial.origin.xyz)?,
+        inertia: turned,
+        joint,
+        line,
+    })
+}
+
+fn describe_joint(
+    joint: &urdf_rs::Joint,
+    text: &str,
+    source: &Source,
+    warnings: &mut Vec<String>,
+) -> Result<JointDescription, ModelError> {
+    let subject = format!("joint {:?}", joint.name);
+    let line = element_line(text, "joint", &joint.name);
+    if let Some(mimic) = &joint.mimic {
+        let problem = format!("mimics {:?}, which is not supported; make the joint free or fixed", mimic.joint);
+        return Err(source.invalid(line, subject, problem));
+    }
+    let axis = || unit_axis(source, line, &subject, *joint.axis.xyz);
+    let kind = match joint.joint_type {
+        JointType::Fixed => Joint::Fixed,
+        JointType::Revolute | JointType::Continuous => Joint::Revolute { axis: axis()? },
+        JointType::Prismatic => Joint::Prismatic { axis: axis()? },
+        JointType::Floating | JointType::Planar | JointType::Spherical => {
+            let kind = format!("{:?}", joint.joint_type).to_lowercase();
+            let problem = format!(
+                "is of type {kind}, which is not supported within the tree; valid are fixed, revolute, continuous, \
+                 prismatic (what joins the root link to the world is the model's base)"
+            );
+            return Err(source.invalid(line, subject, problem));
+        }
+    };
+    let rpy = source.vector(line, &subject, "rpy of the origin", *joint.origin.rpy)?;
+    let translation = source.vector(line, &subject, "xyz of the origin", *joint.origin.xyz)?;
+    let placement = Placement { rotation: rotation_from_rpy(rpy.into()), translation };
+    let mut described = JointDescription::new(joint.name.clone(), kind, placement);
+    described.line = line;
+    described.actuated = kind != Joint::Fixed;
+    if kind == Joint::Fixed {
+        return Ok(described);
+    }
+    limits(joint, &mut described, source, warnings)?;
+    if let Some(dynamics) = &joint.dynamics {
+        described.damping = source.finite(line, &subject, "damping", dynamics.damping)?;
+        if dynamics.friction != 0.0 {
+            warnings.push(format!("{subject}: Coulomb friction {} is ignored", dynamics.friction));
+        }
+    }
+    Ok(described)
+}
+
+/// Limits, where the parser makes a missing one zero (before URDF 1.2) or infinite (since).
+fn limits(
+    joint: &urdf_rs::Joint,
+    described: &mut JointDescription,
+    source: &Source,
+    warnings: &mut Vec<String>,
+) -> Result<(), ModelError> {
+    let subject = format!("joint {:?}", joint.name);
+    let limit = &joint.limit;
+    for (key, value) in
+        [("lower", limit.lower), ("upper", limit.upper), ("effort", limit.effort), ("velocity", limit.velocity)]
+    {
+        if value.is_nan() {
+            return Err(source.invalid(described.line, subject, format!("limit {key} is NaN; a number is needed")));
+        }
+    }
+    if joint.joint_type != JointType::Continuous {
+        if limit.lower == 0.0 && limit.upper == 0.0 {
+            warnings.push(format!("{subject} has no position limits"));
+        } else {
+            (described.lower, described.upper) = (limit.lower, limit.upper);
+        }
+    }
+    if limit.effort != 0.0 {
+        described.effort_limit = limit.effort;
+    }
+    if limit.velocity != 0.0 {
+        described.velocity_limit = limit.velocity;
+    }
+    Ok(())
+}
+
+fn mark_actuated(bodies: &mut [BodyDescription], side: &SideFile, source: &Source) -> Result<(), ModelError> {
+    let (key, list, listed_is) = match (&side.actuated, &side.passive) {
+        (None, None) => return Ok(()),
+        (Some(list), None) => ("actuated", list, true),
+        (None, Some(list)) => ("passive", list, false),
+        (Some(_), Some(_)) => {
+            return Err(source.invalid(None, "actuated, passive", "both are given; give one, the other follows"));
+        }
+    };
+    let moving: Vec<String> =
+        bodies.iter().filter(|body| body.joint.kind != Joint::Fixed).map(|body| body.joint.name.clone()).collect();
+    if let Some(unknown) = list.iter().find(|name| !moving.contains(name)) {
+        let problem = format!("unknown joint {unknown:?}; valid are {}", moving.join(", "));
+        return Err(source.invalid(None, key, problem));
+    }
+    for body in bodies.iter_mut().filter(|body| body.joint.kind != Joint::Fixed) {
+        body.joint.actuated = list.contains(&body.joint.name) == listed_is;
+    }
+    Ok(())
+}

@@ -1,0 +1,34 @@
+//! A control tick allocates nothing. In a binary of its own, since the counting allocator is global.
+
+#![allow(non_snake_case)]
+
+mod common;
+
+use legwork_rbd::Dynamics;
+use nalgebra::DMatrix;
+
+#[test]
+fn update_and_queries_allocate_nothing() {
+    for model in [common::planar_humanoid(), common::biped18()] {
+        let mut random = common::Random(12);
+        let (q, v) = (random.q(&model), random.v(&model));
+        let mut next = vec![0.0; model.nq()];
+        let mut dynamics = Dynamics::new(&model);
+        let mut J = DMatrix::zeros(model.linear_axes().len(), model.nv());
+        let mut W = DMatrix::zeros(model.angular_axes().len(), model.nv());
+        let foot = model.contacts[0].body;
+        let count = allocation_counter::measure(|| {
+            for _ in 0..10 {
+                dynamics.update(&model, &q, &v);
+                model.integrate(&q, &v, 1e-3, &mut next);
+                let position = dynamics.contact_positions[0];
+                dynamics.point_jacobian(&model, foot, &position, &mut J);
+                dynamics.angular_jacobian(&model, foot, &mut W);
+                std::hint::black_box((dynamics.torso_angle(&model), dynamics.point_bias(foot, &position)));
+            }
+        });
+        assert_eq!(count.count_total, 0, "{}", model.name);
+        // The counter counts
+        assert!(allocation_counter::measure(|| drop(std::hint::black_box(vec![0; 8]))).count_total > 0);
+    }
+}

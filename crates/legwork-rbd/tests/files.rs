@@ -1,0 +1,286 @@
+//! The two formats: what is written is read back, and URDF and TOML mean the same.
+
+mod common;
+
+use common::assert_close;
+use legwork_rbd::{Base, Dynamics, Joint, Model};
+use proptest::prelude::*;
+
+const PENDULUM_TOML: &str = include_str!("data/double_pendulum.toml");
+const PENDULUM_URDF: &str = r#"<robot name="double_pendulum">
+  <link name="stand"/>
+  <link name="upper">
+    <inertial>
+      <origin xyz="0 0 -0.25" rpy="0 0 0"/>
+      <mass value="1.3"/>
+      <inertia ixx="0.05" iyy="0.05" izz="0.002" ixy="0" ixz="0" iyz="0"/>
+    </inertial>
+    <visual><geometry><mesh filename="package://nowhere/upper.stl"/></geometry></visual>
+  </link>
+  <link name="lower">
+    <inertial>
+      <!-- the inertia's axes are turned by a quarter: x of the file is z of the link -->
+      <origin xyz="0 0 -0.2" rpy="0 1.5707963267948966 0"/>
+      <mass value="0.7"/>
+      <inertia ixx="0.001" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/>
+    </inertial>
+  </link>
+  <joint name="shoulder" type="continuous">
+    <parent link="stand"/>
+    <child link="upper"/>
+    <axis xyz="0 -3 0"/>
+    <dynamics damping="0.1"/>
+  </joint>
+  <joint name="elbow" type="revolute">
+    <origin xyz="0 0 -0.6"/>
+    <parent link="upper"/>
+    <child link="lower"/>
+    <axis xyz="0 -1 0"/>
+    <limit lower="-2.5" upper="2.5" effort="30" velocity="12.5"/>
+    <dynamics damping="0.2"/>
+  </joint>
+</robot>
+"#;
+const PENDULUM_SIDE: &str = r#"
+base = "fixed"
+torso = "upper"
+gravity_mps2 = 9.81
+contacts = [{ name = "tip", body = "lower", position_m = [0.0, 0.0, -0.4] }]
+"#;
+
+fn assert_same_dynamics(a: &Model, b: &Model, seed: u64, tolerance: f64) {
+    let mut random = common::Random(seed);
+    let (q, v) = (random.q(a), random.v(a));
+    let (mut left, mut right) = (Dynamics::new(a), Dynamics::new(b));
+    left.update(a, &q, &v);
+    right.update(b, &q, &v);
+    assert_close("M", left.mass_matrix.as_slice(), right.mass_matrix.as_slice(), tolerance);
+    assert_close("h", left.bias.as_slice(), right.bias.as_slice(), tolerance);
+    assert_close("damping", left.damping.as_slice(), right.damping.as_slice(), tolerance);
+    assert_close("J", left.contact_jacobian.as_slice(), right.contact_jacobian.as_slice(), tolerance);
+    assert_close("contact bias", left.contact_bias.as_slice(), right.contact_bias.as_slice(), tolerance);
+    assert_close("torso", &[left.torso_angle(a)], &[right.torso_angle(b)], tolerance);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn what_is_written_is_read_back(
+        seed: u64,
+        bodies in 1..9_usize,
+        base in prop_oneof![Just(Base::Fixed), Just(Base::Planar), Just(Base::Floating)],
+    ) {
+        let model = Model::from_toml(&common::random_tree(seed, bodies, base), "tree.toml").unwrap();
+        let text = model.to_toml();
+        let again = Model::from_toml(&text, "again.toml").unwrap();
+        prop_assert_eq!(&model, &again);
+        prop_assert_eq!(text, again.to_toml());
+    }
+}
+
+#[test]
+fn own_models_are_read_back() {
+    let planar = common::planar_humanoid();
+    assert_eq!(planar, Model::from_toml(&planar.to_toml(), "again.toml").unwrap());
+    assert_eq!(planar.warnings(), Vec::<String>::new());
+    let biped = common::biped18();
+    let again = Model::from_toml(&biped.to_toml(), "again.toml").unwrap();
+    assert_eq!(biped.to_toml(), again.to_toml());
+    assert_same_dynamics(&biped, &again, 1, 0.0);
+    let pendulum = Model::from_toml(PENDULUM_TOML, "pendulum.toml").unwrap();
+    assert_eq!(pendulum, Model::from_toml(&pendulum.to_toml(), "again.toml").unwrap());
+    // A number that matters, changed in its last bit, changes the text
+    let mut heavier = planar.clone();
+    heavier.bodies[4].mass = heavier.bodies[4].mass.next_up();
+    assert_ne!(planar.to_toml(), heavier.to_toml());
+}
+
+#[test]
+fn a_fixed_robot_stands_where_its_file_says() {
+    let text = PENDULUM_TOML.replace(
+        "name = \"stand\"",
+        "name = \"stand\"\njoint = { name = \"mount\", type = \"fixed\", origin_m = [1.0, 2.0, 3.0], origin_rpy_deg = [0, 0, 90] }",
+    );
+    let model = Model::from_toml(&text, "pendulum.toml").unwrap();
+    let mut dynamics = Dynamics::new(&model);
+    dynamics.update(&model, &[std::f64::consts::FRAC_PI_2, 0.0], &[0.0, 0.0]);
+    // Swung out along the stand's x, which is the world's y
+    assert_close("tip", dynamics.contact_positions[0].as_slice(), &[1.0, 3.0, 3.0], 1e-14);
+    assert_eq!(model, Model::from_toml(&model.to_toml(), "again.toml").unwrap());
+}
+
+#[test]
+fn degrees_in_toml_are_radians_in_urdf() {
+    let toml = PENDULUM_TOML
+        .replace("damping_nmspr = 0.1", "damping_nmspr = 0.1\norigin_rpy_deg = [10, 20, 30]\nactuated = false");
+    let toml = Model::from_toml(&toml, "p.toml").unwrap();
+    assert_eq!(toml.actuated().collect::<Vec<_>>(), [1]);
+    let rpy = [10.0_f64, 20.0, 30.0].map(f64::to_radians);
+    let origin = format!("<origin rpy=\"{} {} {}\"/><child link=\"upper\"/>", rpy[0], rpy[1], rpy[2]);
+    let urdf = PENDULUM_URDF.replace("<child link=\"upper\"/>", &origin);
+    let urdf = Model::from_urdf(&urdf, "p.urdf", Some((PENDULUM_SIDE, "p.legwork.toml")), None).unwrap();
+    assert_same_dynamics(&toml, &urdf, 3, 1e-14);
+    assert_eq!(toml.bodies[1].placement, urdf.bodies[1].placement);
+}
+
+#[test]
+fn bodies_may_come_before_their_parents() {
+    let (head, bodies) = PENDULUM_TOML.split_once("[[bodies]]").unwrap();
+    let mut parts: Vec<&str> = bodies.split("[[bodies]]").collect();
+    parts.reverse();
+    let text = format!("{head}[[bodies]]\n{}", parts.join("\n[[bodies]]\n"));
+    let (model, reversed) =
+        (Model::from_toml(PENDULUM_TOML, "a.toml").unwrap(), Model::from_toml(&text, "b.toml").unwrap());
+    assert_eq!(model, reversed);
+}
+
+#[test]
+fn urdf_and_toml_mean_the_same_pendulum() {
+    let toml = Model::from_toml(PENDULUM_TOML, "pendulum.toml").unwrap();
+    let urdf = Model::from_urdf(PENDULUM_URDF, "p.urdf", Some((PENDULUM_SIDE, "p.legwork.toml")), None).unwrap();
+    assert_eq!((urdf.base, urdf.torso, &urdf.feet), (toml.base, toml.torso, &toml.feet));
+    assert_eq!(urdf.dofs, toml.dofs);
+    for (urdf, toml) in urdf.bodies.iter().zip(&toml.bodies) {
+        assert_close("inertia", urdf.inertia.as_slice(), toml.inertia.as_slice(), 1e-16);
+        assert_eq!((&urdf.name, urdf.parent, urdf.com), (&toml.name, toml.parent, toml.com));
+    }
+    assert_same_dynamics(&urdf, &toml, 2, 1e-14);
+}
+
+#[test]
+fn urdf_of_the_planar_humanoid_is_the_planar_humanoid() {
+    let toml = common::planar_humanoid();
+    let mut links = String::new();
+    let mut joints = String::new();
+    for body in &toml.bodies[toml.root()..] {
+        links += &format!(
+            "<link name='{}'><inertial><origin xyz='0 0 {}'/><mass value='{}'/>\
+             <inertia ixx='{i}' iyy='{i}' izz='{i}' ixy='0' ixz='0' iyz='0'/></inertial></link>\n",
+            body.name,
+            body.com.z,
+            body.mass,
+            i = body.inertia[(1, 1)]
+        );
+        if body.name != "right_shank" {
+            let dof = &toml.dofs[body.v_index];
+            joints += &format!(
+                "<joint name='{}' type='revolute'><origin xyz='0 0 {}'/><parent link='{}'/><child link='{}'/>\
+                 <axis xyz='0 -1 0'/><limit lower='{}' upper='{}' effort='0' velocity='0'/></joint>\n",
+                body.joint_name,
+                body.placement.translation.z,
+                toml.bodies[body.parent.unwrap()].name,
+                body.name,
+                dof.lower,
+                dof.upper
+            );
+        }
+    }
+    let text = format!("<robot name='planar_humanoid'>{links}{joints}</robot>");
+    let side = r#"
+        torso = "torso"
+        base_pitch = { lower_deg = -175.0, upper_deg = 175.0 }
+        contacts = [
+            { name = "right_foot", body = "right_shank", position_m = [0.0, 0.0, -0.237867] },
+            { name = "left_foot", body = "left_shank", position_m = [0.0, 0.0, 0.49875] },
+        ]
+    "#;
+    let urdf = Model::from_urdf(&text, "h.urdf", Some((side, "h.legwork.toml")), Some(Base::Planar)).unwrap();
+    assert_eq!(urdf.to_toml(), toml.to_toml());
+    // The same file on a floating base has 6 + 4 coordinates
+    let floating = Model::from_urdf(&text, "h.urdf", Some((side, "h.legwork.toml")), None).unwrap();
+    assert_eq!((floating.base, floating.nv(), floating.nq()), (Base::Floating, 10, 11));
+}
+
+#[test]
+fn base_may_be_overridden() {
+    let path = common::crate_path("tests/data/double_pendulum.toml");
+    let planar = Model::load_with_base(&path, Some(Base::Planar));
+    // The stand, now the root link that moves, carries the others' mass
+    let planar = planar.unwrap();
+    assert_eq!((planar.nv(), planar.root()), (5, 2));
+    assert!(planar.warnings().iter().any(|warning| warning.contains("\"stand\" has no mass")));
+    let path = common::crate_path("tests/data/biped18.urdf");
+    let fixed = Model::load_with_base(&path, Some(Base::Fixed)).unwrap();
+    assert_eq!((fixed.nv(), fixed.nq(), fixed.is_planar()), (12, 12, false));
+}
+
+#[test]
+fn side_file_names_motors() {
+    let read =
+        |side: &str| Model::from_urdf(PENDULUM_URDF, "p.urdf", Some((side, "p.legwork.toml")), Some(Base::Fixed));
+    let names = |model: &Model| model.actuated().map(|j| model.dofs[j].name.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&read("gravity_mps2 = 1.62").unwrap()), ["shoulder", "elbow"]);
+    assert_eq!(names(&read("actuated = [\"elbow\"]").unwrap()), ["elbow"]);
+    assert_eq!(names(&read("passive = [\"elbow\"]").unwrap()), ["shoulder"]);
+    assert_close("gravity", &[read("gravity_mps2 = 1.62").unwrap().gravity], &[1.62], 0.0);
+}
+
+#[test]
+fn urdf_defaults_and_warnings() {
+    let model = Model::from_urdf(PENDULUM_URDF, "p.urdf", None, None).unwrap();
+    assert_eq!((model.base, model.torso, model.nc()), (Base::Floating, 0, 0));
+    assert_eq!(model.warnings(), ["body \"stand\" has no mass"]);
+    let text = PENDULUM_URDF
+        .replace("type=\"continuous\"", "type=\"revolute\"")
+        .replace("damping=\"0.2\"", "damping=\"0.2\" friction=\"0.3\"");
+    let warnings = Model::from_urdf(&text, "p.urdf", None, Some(Base::Fixed)).unwrap().warnings();
+    assert_eq!(
+        warnings,
+        ["joint \"shoulder\" has no position limits", "joint \"elbow\": Coulomb friction 0.3 is ignored"]
+    );
+    let biped = common::biped18();
+    assert_eq!(biped.warnings(), ["body \"right_sole\" has no mass", "body \"left_sole\" has no mass"]);
+    assert_eq!(biped.bodies[biped.body_index("trunk").unwrap()].joint, Joint::Fixed);
+    let knee = &biped.dofs[biped.dof_index("right_kfe").unwrap()];
+    assert_eq!((knee.lower, knee.upper, knee.effort_limit, knee.velocity_limit), (0.0, 2.3, 220.0, 12.0));
+}
+
+/// What xacro, Gazebo and CAD exporters leave in a file.
+#[test]
+fn urdf_as_found_in_the_wild() {
+    let plain = Model::from_urdf(PENDULUM_URDF, "p.urdf", None, Some(Base::Fixed)).unwrap();
+    let text = PENDULUM_URDF
+        .replace(
+            "<robot name=\"double_pendulum\">",
+            "<?xml version=\"1.0\" ?>\n<!-- autogenerated by xacro <xacro:include filename=\"x\"/> <link name=\"old\"> -->\n\
+             <robot name=\"double_pendulum\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n\
+             <material name=\"grey\"><color rgba=\"0.5 0.5 0.5 1\"/></material>",
+        )
+        .replace(
+            "</robot>",
+            "<gazebo reference=\"upper\"><mu1>0.2</mu1></gazebo>\n\
+             <transmission name=\"t\"><type>simple</type><joint name=\"elbow\"/><actuator name=\"m\"/></transmission>\n\
+             </robot>",
+        )
+        .replace(
+            "<visual><geometry><mesh filename=\"package://nowhere/upper.stl\"/></geometry></visual>",
+            "<visual name=\"v\"><origin rpy=\"0 0 0\" xyz=\"0 0 0\"/><geometry><cylinder length=\"0.5\" radius=\"0.1\"/></geometry>\
+             <material name=\"grey\"/></visual><collision><geometry><box size=\"1 1 1\"/></geometry></collision>\
+             <visual><geometry><sphere radius=\"0.1\"/></geometry></visual>",
+        );
+    let wild = Model::from_urdf(&text, "p.urdf", None, Some(Base::Fixed)).unwrap();
+    assert_eq!(plain, wild);
+    let windows = text.replace('\n', "\r\n");
+    assert_eq!(plain, Model::from_urdf(&windows, "p.urdf", None, Some(Base::Fixed)).unwrap());
+}
+
+#[test]
+fn oddities_are_warned_of() {
+    let warnings = |from: &str, to: &str| {
+        assert!(PENDULUM_TOML.contains(from));
+        Model::from_toml(&PENDULUM_TOML.replace(from, to), "p.toml").unwrap().warnings()
+    };
+    let one = |from: &str, to: &str, part: &str| {
+        let warnings = warnings(from, to);
+        assert!(warnings.len() == 1 && warnings[0].contains(part), "{warnings:?}");
+    };
+    one("{ xx = 0.02, yy = 0.02, zz = 0.001 }", "{ xx = 0.02, yy = 0.0210001, zz = 0.001 }", "sum of the other two");
+    one("lower_rad = -2.5", "lower_rad = 2.5", "locked");
+    one("lower_rad = -2.5\nupper_rad = 2.5", "lower_rad = 20\nupper_rad = 90", "are they degrees?");
+    one("lower_rad = -2.5\nupper_rad = 2.5", "lower_rad = -90\nupper_rad = 90", "are they degrees?");
+    let split = "contacts = [{ name = \"a\", foot = \"f\", body = \"upper\", position_m = [0, 0, 0] }, { name = \"b\", foot = \"f\", body";
+    one("contacts = [{ name = \"tip\", body", split, "on different bodies");
+    let point = warnings("inertia_kgm2 = { xx = 0.05, yy = 0.05, zz = 0.002 }", "");
+    assert_eq!(point, ["body \"upper\" has mass but no inertia: a point mass"]);
+}
