@@ -1,0 +1,299 @@
+//! The dual active-set method of Goldfarb & Idnani (1983): from the optimum over the equalities and a guess of the active
+//! inequalities, violated constraints enter one at a time, and the dual objective rises with each.
+//!
+//! Between two entries the iterate is what the paper calls an S-pair: the optimum of the program that keeps only the
+//! constraints of the working set, with multipliers of the right signs.
+
+use crate::certificate;
+use crate::linear::axpy;
+use crate::scale::{Kind, Scaled};
+use crate::working_set::{Member, Place, WorkingSet};
+use crate::{Settings, Status};
+
+/// Weight of the size of a row's terms, beside that of its bound, in the tolerance for its violation.
+const TERMS: f64 = 1e-3;
+/// Where rounding errors stop the search, violations are accepted up to this times the tolerance, with the full size of the
+/// terms.
+const ACCEPTED: f64 = 10.0;
+/// The rounding error that the factors leave in `a_cᵀz`, relative to `|Jᵀa_c| |y|`.
+const NOISE: f64 = 4.0 * f64::EPSILON;
+/// As many times this are accepted where rounding errors stop the search.
+const ACCEPTED_NOISE: f64 = 32.0;
+/// A point is zero where `y` is shorter than this times the `y` without constraints: it then is a sum of which rounding
+/// errors have left a rest.
+const VANISHING: f64 = 1e-13;
+/// Largest product of multipliers and errors of the members' equations, relative to the terms of the objective.
+const DUALITY_GAP: f64 = 1e-8;
+/// Violations smaller than this times the size of the terms are looked at again after refinement.
+const DOUBTFUL: f64 = 1e-6;
+/// The value must rise by this times the size of its terms, or the step counts as stalled.
+const PROGRESS: f64 = 1e-14;
+/// A normal is independent without further questions if this part of it, or more, lies outside the span of the working
+/// set.
+pub(crate) const CLEARLY: f64 = 1e-6;
+/// A coefficient below this times the largest one (and one) does not block a step.
+const NEGLIGIBLE: f64 = 1e-12;
+
+/// What became of a candidate.
+pub(crate) enum Entry {
+    Entered,
+    /// See [`Place::Aside`].
+    SetAside,
+    Infeasible,
+}
+
+/// One search for the optimal working set.
+pub(crate) struct Search<'a> {
+    pub(crate) program: &'a Scaled,
+    pub(crate) set: &'a mut WorkingSet,
+    pub(crate) settings: &'a Settings,
+    pub(crate) convexified: bool,
+    /// Members with Farkas weights, of the scaled program.
+    pub(crate) conflict: &'a mut Vec<(Member, f64)>,
+    pub(crate) iterations: u32,
+    /// The iterate has been refined since the working set last changed.
+    pub(crate) refined: bool,
+}
+
+impl Search<'_> {
+    /// From the factorised program to the result; `previous` is the guess.
+    pub(crate) fn run(&mut self, previous: &[Member]) -> Status {
+        self.set.clear(self.program);
+        self.take_equalities();
+        self.refresh();
+        if self.contradictory_empty_row() || self.contradictory_equalities() {
+            return Status::Infeasible;
+        }
+        self.take_guess(previous);
+        self.refresh();
+        self.ascend()
+    }
+
+    fn ascend(&mut self) -> Status {
+        let patience = self.program.constraints();
+        let mut highest = f64::NEG_INFINITY;
+        let mut stalled = 0;
+        loop {
+            self.drop_negative();
+            let Some((candidate, doubtful)) = self.most_violated() else {
+                if self.refined {
+                    return self.conclude();
+                }
+                self.refine();
+                continue;
+            };
+            if doubtful && !self.refined {
+                self.refine();
+                continue;
+            }
+            let (value, size) = self.set.value();
+            if value > highest + PROGRESS * size {
+                highest = value;
+                stalled = 0;
+            } else {
+                stalled += 1;
+            }
+            if stalled > patience || self.iterations >= self.settings.max_iterations {
+                if !self.refined {
+                    self.refine();
+                }
+                if self.set.most_negative(self.program).is_some() {
+                    self.refresh();
+                }
+                return self.conclude();
+            }
+            if let Entry::Infeasible = self.enter(candidate) {
+                return Status::Infeasible;
+            }
+        }
+    }
+
+    /// Optimal if all that is left violated is so within [`ACCEPTED`], and the members hold well enough for their
+    /// multipliers.
+    fn conclude(&self) -> Status {
+        let accepted =
+            |c: usize| self.is_acceptable(Member { c, sign: 1.0 }) && self.is_acceptable(Member { c, sign: -1.0 });
+        let open = |&c: &usize| {
+            self.set.place[c] != Place::In && matches!(self.program.kind[c], Kind::Inequality | Kind::Equality)
+        };
+        let program = self.program;
+        let (_, mut size) = self.set.value();
+        let mut gap = 0.0;
+        for (member, multiplier) in self.set.members.iter().zip(&self.set.multipliers) {
+            gap += (multiplier * member.shortfall(program, &self.set.z)).abs();
+            size += (multiplier * member.bound(program)).abs();
+        }
+        let free = self.set.gradient_length();
+        size = size.max(VANISHING * free * free);
+        if gap <= DUALITY_GAP * size && (0..program.constraints()).filter(open).all(accepted) {
+            Status::Optimal
+        } else {
+            Status::IterationLimit
+        }
+    }
+
+    /// Up to this a shortfall is none.
+    pub(crate) fn tolerance(&self, member: Member, y_length: f64) -> f64 {
+        let terms = self.program.times_abs(member.c, &self.set.z);
+        let size = member.bound(self.program).abs() + TERMS * terms;
+        self.settings.feasibility_tolerance * size + NOISE * self.set.reach[member.c] * y_length
+    }
+
+    /// Is it at least one that may be left where rounding errors stop the search?
+    fn is_acceptable(&self, member: Member) -> bool {
+        let shortfall = member.shortfall(self.program, &self.set.z);
+        if shortfall <= 0.0 {
+            return true;
+        }
+        let terms = self.program.times_abs(member.c, &self.set.z);
+        let size = member.bound(self.program).abs() + terms;
+        let (y_length, free) = (self.set.y_length(), self.set.gradient_length());
+        let length = if y_length < VANISHING * free { free } else { ACCEPTED_NOISE * y_length };
+        let noise = NOISE * self.set.reach[member.c] * length;
+        shortfall <= ACCEPTED * self.settings.feasibility_tolerance * size + noise
+    }
+
+    /// The inequality with the largest shortfall in the scaled program, and whether that is so small that it may be an
+    /// error of the iterate.
+    fn most_violated(&self) -> Option<(Member, bool)> {
+        let program = self.program;
+        let y_length = self.set.y_length();
+        let mut worst = 0.0;
+        let mut found = None;
+        for c in 0..program.constraints() {
+            if program.kind[c] != Kind::Inequality || self.set.place[c] != Place::Out {
+                continue;
+            }
+            let value = program.times(c, &self.set.z);
+            let (below, above) = (program.lower[c] - value, value - program.upper[c]);
+            let (sign, shortfall) = if below > above { (1.0, below) } else { (-1.0, above) };
+            if shortfall <= worst {
+                continue;
+            }
+            let member = Member { c, sign };
+            let tolerance = self.tolerance(member, y_length);
+            if shortfall > tolerance {
+                worst = shortfall;
+                let doubtful = DOUBTFUL / self.settings.feasibility_tolerance;
+                found = Some((member, shortfall <= doubtful * tolerance));
+            }
+        }
+        found
+    }
+
+    pub(crate) fn refresh(&mut self) {
+        self.set.refresh(self.program);
+        self.refined = false;
+    }
+
+    pub(crate) fn refine(&mut self) {
+        self.set.refine(self.program, self.convexified);
+        self.refined = true;
+    }
+
+    /// Makes the multipliers of inequalities positive, by dropping.
+    fn drop_negative(&mut self) {
+        while let Some(k) = self.set.most_negative(self.program) {
+            if !self.refined {
+                self.refine();
+                continue;
+            }
+            self.set.drop(k);
+            self.iterations += 1;
+            self.refresh();
+        }
+    }
+
+    /// Computes `d` and `r` of the candidate: is it a combination of the members?
+    pub(crate) fn look(&mut self, candidate: Member) -> bool {
+        let clear = self.set.project(self.program, candidate) > CLEARLY;
+        self.set.solve_coefficients();
+        !clear && self.set.is_dependent(self.program, candidate)
+    }
+
+    /// Adds a projected candidate without a step: a refresh must follow.
+    pub(crate) fn take(&mut self, candidate: Member) {
+        self.set.compute_direction();
+        self.set.add(candidate);
+    }
+
+    /// Brings a violated constraint into the working set. Members whose multiplier reaches zero on the way leave it.
+    /// Goldfarb & Idnani 1983, Algorithm, steps 1 and 2.
+    fn enter(&mut self, candidate: Member) -> Entry {
+        loop {
+            let dependent = self.look(candidate);
+            let blocking = self.blocking();
+            if dependent {
+                let Some((k, step)) = blocking else {
+                    return self.no_way_out(candidate);
+                };
+                self.leave(k, step);
+                continue;
+            }
+            self.set.compute_direction();
+            let shortfall = candidate.shortfall(self.program, &self.set.z).max(0.0);
+            let full_step = shortfall / (self.set.free_length * self.set.free_length);
+            match blocking {
+                Some((k, step)) if step < full_step => {
+                    axpy(step, &self.set.direction[..self.program.n], &mut self.set.z);
+                    self.leave(k, step);
+                }
+                _ => {
+                    self.set.add(candidate);
+                    self.iterations += 1;
+                    self.refresh();
+                    return Entry::Entered;
+                }
+            }
+        }
+    }
+
+    /// The inequality whose multiplier reaches zero first when the candidate's grows, and when.
+    fn blocking(&self) -> Option<(usize, f64)> {
+        let set = &*self.set;
+        let q = set.members.len();
+        let threshold = negligible(&set.r[..q]);
+        let mut found: Option<(usize, f64)> = None;
+        for k in set.equalities..q {
+            if set.r[k] <= threshold {
+                continue;
+            }
+            let step = set.multipliers[k].max(0.0) / set.r[k];
+            // Of equal ones the largest coefficient: it leaves the best conditioned set.
+            let better = found.is_none_or(|(other, first)| step < first || (step <= first && set.r[k] > set.r[other]));
+            if better {
+                found = Some((k, step));
+            }
+        }
+        found
+    }
+
+    /// Multipliers after a step, at which member `k` leaves.
+    fn leave(&mut self, k: usize, step: f64) {
+        let set = &mut *self.set;
+        for (multiplier, r) in set.multipliers.iter_mut().zip(&set.r) {
+            *multiplier -= step * r;
+        }
+        set.drop(k);
+        self.iterations += 1;
+    }
+
+    /// The candidate is violated, depends on the members, and none of them can leave: the program is infeasible, unless
+    /// rounding errors only make it look so.
+    pub(crate) fn no_way_out(&mut self, candidate: Member) -> Entry {
+        let q = self.set.members.len();
+        let threshold = negligible(&self.set.r[..q]);
+        let tolerance = ACCEPTED * self.settings.feasibility_tolerance * candidate.bound(self.program).abs();
+        if certificate::verify(self.program, self.set, candidate, threshold, tolerance, self.conflict) {
+            self.refresh();
+            return Entry::Infeasible;
+        }
+        self.set.place[candidate.c] = Place::Aside;
+        self.refresh();
+        Entry::SetAside
+    }
+}
+
+fn negligible(r: &[f64]) -> f64 {
+    NEGLIGIBLE * r.iter().fold(1.0, |largest: f64, r| largest.max(r.abs()))
+}

@@ -1,0 +1,89 @@
+//! A dense dual active-set solver for the small quadratic programs of whole-body control.
+//!
+//! # The program
+//!
+//! ```text
+//! minimise    ½ xᵀH x + gᵀx
+//! subject to  row_lower <= A x <= row_upper
+//!                 lower <=  x  <= upper
+//! ```
+//!
+//! with some 10 to 60 variables and 10 to 100 rows. Bounds may be infinite; lower = upper makes an equality, or a fixed
+//! variable. `x` is optimal if and only if multipliers `λ` of the rows and `μ` of the bounds exist with
+//!
+//! ```text
+//! H x + g = Aᵀλ + μ
+//! λ_i >= 0 where the row is at its lower side, <= 0 at its upper side, = 0 between, of any sign at an equality; μ alike
+//! ```
+//!
+//! ```
+//! use legwork_qp::{Problem, Solver, Status};
+//!
+//! // The point next to (2, 1) with x + y <= 2 and y >= 0.8.
+//! let mut problem = Problem::new(2, 1);
+//! problem.hessian_mut().copy_from_slice(&[1.0, 0.0, 0.0, 1.0]);
+//! problem.gradient_mut().copy_from_slice(&[-2.0, -1.0]);
+//! problem.row_mut(0).copy_from_slice(&[1.0, 1.0]);
+//! problem.row_upper_mut()[0] = 2.0;
+//! problem.lower_mut()[1] = 0.8;
+//!
+//! let mut solver = Solver::new(2, 1);
+//! assert_eq!(solver.solve(&problem), Status::Optimal);
+//! let near = |a: f64, b: f64| (a - b).abs() < 1e-14;
+//! assert!(near(solver.x()[0], 1.2) && near(solver.x()[1], 0.8));
+//! // The row is at its upper side, the bound at its lower.
+//! assert!(near(solver.row_multipliers()[0], -0.8) && near(solver.bound_multipliers()[1], 0.6));
+//! assert!(problem.kkt(solver.x(), solver.row_multipliers(), solver.bound_multipliers()).worst_relative() < 1e-14);
+//! ```
+//!
+//! # The method
+//!
+//! That of D. Goldfarb and A. Idnani, *A numerically stable dual method for solving strictly convex quadratic programs*,
+//! Mathematical Programming 27 (1983). With the normals `N` of a working set as columns, `H = L Lᵀ` and `J = L⁻ᵀQ` such that
+//! `Jᵀ N = [R; 0]`, point and multipliers of the working set follow from triangular systems. Each violated constraint enters
+//! by a Householder reflection of `J`; on the way constraints leave, by rotations, whose multiplier reaches zero. The dual
+//! objective rises with each entry, so that no working set comes back.
+//!
+//! In this order:
+//! 1. Scaling: variables by `√H_jj` (Jacobi), rows to unit norm, by powers of two, which round nothing.
+//! 2. Equalities: fixed variables, then rows, the clearly independent ones first. Those that follow from others are left
+//!    out, checked against the solution, and have the multiplier zero.
+//! 3. The working set of the previous solve, as far as it is independent; negative multipliers are dropped. Optimal
+//!    working sets of control ticks change little, so this is most often all.
+//! 4. Violated constraints, the largest violation of the scaled program first.
+//! 5. One step of iterative refinement of point and multipliers with the program's own numbers, after which nothing may be
+//!    violated and no multiplier negative.
+//!
+//! # What is not there
+//!
+//! **No regularisation.** If the scaled `H` is not positive definite (a pivot of its Cholesky factorisation is below
+//! 16 n ε), the squares of the equalities are added, once: `H + Âᵀ Â` and `g − Âᵀ b̂` in place of `H` and `g`, with the scaled
+//! equality rows and fixed variables. On the feasible set this adds a constant to the objective, so optimum and
+//! multipliers stay those of the program as given. [`Solver::convexified`] tells. If that is not positive definite
+//! either: [`Status::NotConvex`].
+//!
+//! **No unproven infeasibility.** [`Status::Infeasible`] comes with weights ([`Solver::conflict`]) that sum the rows and
+//! bounds to a contradiction, and with the check that rounding errors cannot have made it. Where that fails the row is set
+//! aside, and the status at the end is [`Status::Optimal`] or [`Status::IterationLimit`] according to what is left of its
+//! violation.
+//!
+//! **No allocation** in [`Solver::solve`], no threads, no random numbers: the same problems in the same order give the same
+//! bits.
+#![forbid(unsafe_code)]
+
+mod certificate;
+mod dual;
+mod factor;
+mod kkt;
+mod linear;
+mod problem;
+mod scale;
+mod solver;
+mod start;
+mod types;
+mod working_set;
+
+pub use kkt::{KktResiduals, Residual};
+pub use problem::Problem;
+pub use solver::Solver;
+pub use types::{Active, Conflict, Constraint, Defect, Settings, Side, Status};
