@@ -1,0 +1,283 @@
+//! The controller: reference generator, motion reference planner and quadratic program in one tick.
+//!
+//! It sees what a real robot's controller would be given, a state estimate and contact flags, and returns torques
+//! that are always finite and within their limits. Where the program has no solution as it stands, it gives way in
+//! the order of [`Fallback`], and says so.
+
+use legwork_qp::{Problem, Solver, Status};
+use legwork_rbd::{Dynamics, Model};
+use nalgebra::Vector3;
+
+use crate::contact::GroundPlane;
+use crate::error::Error;
+use crate::planner::MotionReferencePlanner;
+use crate::qp::{self, Inputs, Layout, Relaxation, Solution, bounds, layout};
+use crate::reference::{ComTrajectory, Observation, Reference, ReferenceGenerator, StepMachine};
+use crate::scenario::{ControllerSettings, Scenario, Tracking};
+
+/// What the controller is told of the robot.
+#[derive(Clone, Debug)]
+pub struct Estimate {
+    /// Time [s].
+    pub time: f64,
+    /// Joint positions [rad, m].
+    pub q: Vec<f64>,
+    /// Joint velocities [rad/s, m/s].
+    pub v: Vec<f64>,
+    /// Which contact points touch the ground.
+    pub touching: Vec<bool>,
+}
+
+/// What the controller did where the program had no solution as it stood.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Fallback {
+    /// Nothing: the program was solved as it stands.
+    #[default]
+    None,
+    /// The bounds on joint accelerations (4.32) became costs of weight `controller.weights.braking`.
+    JointLimitsYield,
+    /// Hard tasks became costs of their weights as well.
+    TasksYield,
+    /// No solution at all: the torques of the tick before are held.
+    HoldTorque,
+}
+
+impl Fallback {
+    /// It in words.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::JointLimitsYield => "joint limits yielded",
+            Self::TasksYield => "hard tasks yielded",
+            Self::HoldTorque => "torque held",
+        }
+    }
+}
+
+/// The report of one tick.
+#[derive(Clone, Debug)]
+pub struct Tick {
+    /// Status of the program as it stood, before any fallback.
+    pub status: Status,
+    /// What was done where that had no solution.
+    pub fallback: Fallback,
+    /// Iterations of the solver, all attempts together.
+    pub iterations: u32,
+    /// Programs solved: one, or more with a fallback.
+    pub solves: u32,
+    /// The optimum; its `tau` are the torques to apply.
+    pub solution: Solution,
+    /// For each of [`Layout::limits`]: -1 or 1 where its lower or upper side is active, else 0.
+    pub active: Vec<i8>,
+    /// For each actuated joint, the acceleration that the braking distance (4.32) asks for [rad/s²], else zero.
+    pub braking: Vec<f64>,
+}
+
+/// The controller with its state.
+#[derive(Clone, Debug)]
+pub struct Controller {
+    settings: ControllerSettings,
+    model: Model,
+    ground: GroundPlane,
+    dynamics: Dynamics,
+    generator: ReferenceGenerator,
+    planner: MotionReferencePlanner,
+    layout: Layout,
+    problem: Problem,
+    solver: Solver,
+    stance: Vec<bool>,
+    tick: Tick,
+}
+
+impl Controller {
+    /// A controller for `model` in `scenario`, which starts at `start`; `samples` are the rows of the CoM file.
+    ///
+    /// # Errors
+    /// The model is not one that this controller can drive, or the CoM trajectory is not valid.
+    pub fn new(scenario: &Scenario, model: &Model, samples: &[[f64; 3]], start: &Estimate) -> Result<Self, Error> {
+        check_model(scenario, model)?;
+        let settings = scenario.controller.clone();
+        let (friction, slope_deg) = if scenario.ground.known {
+            (scenario.ground.friction, scenario.ground.slope_deg)
+        } else {
+            (settings.assumed_friction, settings.assumed_slope_deg)
+        };
+        let ground = GroundPlane::new(model, friction, slope_deg.to_radians());
+        let mut dynamics = Dynamics::new(model);
+        dynamics.update(model, &start.q, &start.v);
+        let com = ComTrajectory::new(&scenario.reference.com, samples, dynamics.com, &ground)?;
+        let generator = ReferenceGenerator::new(
+            &scenario.reference,
+            com,
+            &ground,
+            model.gravity,
+            settings.planner.torso_angle_deg.to_radians(),
+            &observe(&dynamics, start),
+        );
+        let layout = Layout::new(settings.form, model, &ground);
+        Ok(Self {
+            planner: MotionReferencePlanner::new(&settings.planner, model),
+            problem: Problem::new(layout.variables(), layout.rows()),
+            solver: Solver::new(layout.variables(), layout.rows()),
+            stance: vec![false; model.contacts.len()],
+            tick: Tick {
+                status: Status::Optimal,
+                fallback: Fallback::None,
+                iterations: 0,
+                solves: 0,
+                solution: Solution::new(&layout),
+                active: vec![0; layout.limits().len()],
+                braking: vec![0.0; layout.actuated.len()],
+            },
+            settings,
+            model: model.clone(),
+            ground,
+            dynamics,
+            generator,
+            layout,
+        })
+    }
+
+    /// One control tick: torques for `estimate`. Allocates nothing.
+    pub fn tick(&mut self, estimate: &Estimate) -> &Tick {
+        let Self { settings, model, dynamics, .. } = self;
+        dynamics.update(model, &estimate.q, &estimate.v);
+        let reference = self.generator.update(&observe(dynamics, estimate));
+        let goal = self.planner.plan(model, dynamics, &estimate.v, reference);
+
+        let swinging = self.generator.steps().swing_foot();
+        for (contact, point) in model.contacts.iter().enumerate() {
+            // The distance rule (4.10) alone lets the swing foot push until it has left the ground.
+            self.stance[contact] = estimate.touching[contact] && Some(point.foot) != swinging;
+        }
+        let mut inputs = Inputs {
+            model,
+            dynamics,
+            q: &estimate.q,
+            v: &estimate.v,
+            goal,
+            stance: &self.stance,
+            ground: &self.ground,
+            weights: &settings.weights,
+            limits: &settings.limits,
+            tracking: &settings.tracking,
+            relaxed: Relaxation::default(),
+        };
+
+        let tick = &mut self.tick;
+        tick.iterations = 0;
+        tick.solves = 0;
+        let tracking = inputs.tracking;
+        let hard_tasks = [tracking.momentum, tracking.feet, tracking.torso].contains(&Tracking::Equality);
+        for fallback in [Fallback::None, Fallback::JointLimitsYield, Fallback::TasksYield, Fallback::HoldTorque] {
+            tick.fallback = fallback;
+            inputs.relaxed = Relaxation {
+                joint_limits: fallback >= Fallback::JointLimitsYield,
+                tasks: fallback >= Fallback::TasksYield,
+            };
+            if fallback == Fallback::HoldTorque {
+                break;
+            }
+            if fallback == Fallback::TasksYield && !hard_tasks {
+                continue;
+            }
+            qp::build(&self.layout, &inputs, &mut self.problem);
+            let status = self.solver.solve(&self.problem);
+            tick.solves += 1;
+            tick.iterations += self.solver.iterations();
+            if fallback == Fallback::None {
+                tick.status = status;
+            }
+            if status == Status::Optimal && self.solver.x().iter().all(|value| value.is_finite()) {
+                qp::read_solution(&self.layout, &inputs, self.solver.x(), &mut tick.solution);
+                break;
+            }
+        }
+
+        tick.active.fill(0);
+        if tick.fallback != Fallback::HoldTorque {
+            for active in self.solver.working_set() {
+                if let Some(index) = self.layout.limit(active.constraint) {
+                    tick.active[index] = layout::side_sign(active.side);
+                }
+            }
+        }
+        for (index, &dof) in self.layout.actuated.iter().enumerate() {
+            tick.braking[index] = bounds::braking(&inputs, dof).unwrap_or(0.0);
+        }
+        tick
+    }
+
+    /// The report of the latest tick.
+    pub fn latest(&self) -> &Tick {
+        &self.tick
+    }
+
+    /// The reference of the latest tick.
+    pub fn reference(&self) -> &Reference {
+        self.generator.reference()
+    }
+
+    /// The step state machine.
+    pub fn steps(&self) -> &StepMachine {
+        self.generator.steps()
+    }
+
+    /// The dynamics in the estimated state of the latest tick.
+    pub fn dynamics(&self) -> &Dynamics {
+        &self.dynamics
+    }
+
+    /// The motion reference planner with its latest goals.
+    pub fn planner(&self) -> &MotionReferencePlanner {
+        &self.planner
+    }
+
+    /// The ground as the controller knows it.
+    pub fn ground(&self) -> &GroundPlane {
+        &self.ground
+    }
+
+    /// The program's layout, with the names of its limits.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// The program as it was last built.
+    pub fn problem(&self) -> &Problem {
+        &self.problem
+    }
+}
+
+/// What the reference generator sees: each foot by its contact point.
+fn observe(dynamics: &Dynamics, estimate: &Estimate) -> Observation {
+    let foot = |index: usize| -> Vector3<f64> { dynamics.contact_positions[index] };
+    Observation {
+        time: estimate.time,
+        com: dynamics.com,
+        com_velocity: dynamics.com_velocity,
+        feet: [foot(0), foot(1)],
+        touching: [estimate.touching[0], estimate.touching[1]],
+    }
+}
+
+/// The thesis's controller drives planar robots with two point feet.
+fn check_model(scenario: &Scenario, model: &Model) -> Result<(), Error> {
+    let contacts: Vec<usize> = model.contacts.iter().map(|contact| contact.foot).collect();
+    if model.is_planar() && contacts == [0, 1] {
+        return Ok(());
+    }
+    let found = format!(
+        "the model '{}' has base {} and {} contact points on {} feet",
+        model.name,
+        format!("{:?}", model.base).to_lowercase(),
+        contacts.len(),
+        model.feet.len()
+    );
+    Err(Error::invalid(
+        format!("scenario '{}': model", scenario.name),
+        format!(
+            "{found}; this controller needs a planar base and two feet with one contact point each, right before left"
+        ),
+    ))
+}

@@ -1,0 +1,137 @@
+//! Falling: its one definition, and the first sentence of why.
+//!
+//! The robot has fallen when, after a control tick,
+//! - the numbers are out of bounds: the state is not finite, or a joint is faster than `fall.max_joint_speed_radps`,
+//! - a part of the body that is no foot touches the ground (knees, hips, the centre of mass of the torso),
+//! - the CoM is lower over the ground than `fall.min_com_height_fraction` of its height at the start, or
+//! - the torso is further from its reference than `fall.max_torso_angle_deg`.
+
+use legwork_rbd::Model;
+
+use crate::log::{Field, Log};
+use crate::qp::Layout;
+use crate::scenario::Scenario;
+use crate::sim::Simulator;
+
+/// Which part of the definition was met.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cause {
+    /// The state is not finite or a joint is too fast.
+    OutOfBounds {
+        /// The fastest joint and its speed [rad/s], where the state is finite.
+        joint: Option<(String, f64)>,
+    },
+    /// A part of the body touches the ground.
+    BodyTouches {
+        /// Which part.
+        part: String,
+    },
+    /// The centre of mass is too low.
+    ComTooLow {
+        /// Its height [m].
+        height: f64,
+        /// The lowest allowed [m].
+        lowest: f64,
+    },
+    /// The torso leans too far.
+    TorsoLeans {
+        /// Its angle from the reference [rad], counter-clockwise (backward) positive.
+        angle: f64,
+    },
+}
+
+/// A fall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fall {
+    /// When [s].
+    pub time: f64,
+    /// Which part of the definition was met first.
+    pub cause: Cause,
+}
+
+/// Whether the robot has fallen; `sound` is false where the simulator's numbers went out of bounds.
+pub fn fall(scenario: &Scenario, model: &Model, simulator: &Simulator, sound: bool) -> Option<Fall> {
+    let settings = &scenario.fall;
+    let dynamics = simulator.dynamics();
+    let ground = simulator.ground();
+    let at = |cause| Some(Fall { time: simulator.time(), cause });
+    if !sound {
+        return at(Cause::OutOfBounds { joint: None });
+    }
+    for (dof, &speed) in model.dofs.iter().zip(simulator.v()) {
+        if dof.rotational && speed.abs() > settings.max_joint_speed_radps {
+            return at(Cause::OutOfBounds { joint: Some((dof.name.clone(), speed)) });
+        }
+    }
+    for (body, pose) in model.bodies.iter().zip(&dynamics.world_from_body) {
+        // Joints are the ends of the links; the root's frame and the masses' centres count as well.
+        let part = if ground.gap(&pose.translation) < 0.0 {
+            Some(&body.joint_name)
+        } else if body.mass > 0.0 && ground.gap(&pose.point(&body.com)) < 0.0 {
+            Some(&body.name)
+        } else {
+            None
+        };
+        if let Some(part) = part.filter(|_| body.mass > 0.0) {
+            return at(Cause::BodyTouches { part: part.clone() });
+        }
+    }
+    let height = dynamics.com.z - ground.height_at(dynamics.com.x);
+    let lowest = settings.min_com_height_fraction * scenario.start.com_height_m;
+    if height < lowest {
+        return at(Cause::ComTooLow { height, lowest });
+    }
+    let reference = scenario.controller.planner.torso_angle_deg.to_radians();
+    let angle = dynamics.torso_angle(model) - reference;
+    if angle.abs() > settings.max_torso_angle_deg.to_radians() {
+        return at(Cause::TorsoLeans { angle });
+    }
+    None
+}
+
+/// The fall in words: when, and which part of the definition was met.
+pub fn sentence(fall: &Fall) -> String {
+    let what = match &fall.cause {
+        Cause::OutOfBounds { joint: Some((joint, speed)) } => {
+            format!("{joint} turned at {speed:.0} rad/s, out of all bounds")
+        }
+        Cause::OutOfBounds { joint: None } => "the numbers went out of bounds".to_owned(),
+        Cause::BodyTouches { part } => format!("{} touched the ground", part.replace('_', " ")),
+        Cause::ComTooLow { height, lowest } => {
+            format!("the centre of mass sank to {height:.2} m, below {lowest:.2} m")
+        }
+        Cause::TorsoLeans { angle } => {
+            let way = if *angle > 0.0 { "backward" } else { "forward" };
+            format!("the torso leaned {:.0} deg {way} of its reference", angle.abs().to_degrees())
+        }
+    };
+    format!("fell at {:.2} s: {what}", fall.time)
+}
+
+/// How far back from the fall [`reason`] looks [s].
+const LOOK_BACK: f64 = 0.5;
+
+/// The fall in words, with what was most at its limit in the half second before it.
+pub fn reason(fall: &Fall, log: &Log, layout: &Layout) -> String {
+    let mut text = sentence(fall);
+    let first = (0..log.len()).find(|&i| log.time(i) >= fall.time - LOOK_BACK).unwrap_or(0);
+    let ticks = log.len() - first;
+    let share = |limit: usize| {
+        let active = (first..log.len()).filter(|&i| log.get(i, Field::ActiveLimit)[limit] != 0.0).count();
+        active as f64 / ticks.max(1) as f64
+    };
+    // An unloaded foot is how a step looks, not why it fails.
+    let worst = (0..layout.limits().len())
+        .filter(|&limit| !layout.limits()[limit].name.starts_with("unloading"))
+        .map(|limit| (share(limit), limit))
+        .fold((0.0, 0), |worst, next| if next.0 > worst.0 { next } else { worst });
+    if worst.0 >= 0.1 {
+        let name = layout.limits()[worst.1].name.replace('_', " ");
+        text += &format!("; the limit on {name} was active for {:.0} % of the last {LOOK_BACK} s", 100.0 * worst.0);
+    }
+    let held = (first..log.len()).filter(|&i| log.get(i, Field::Program)[1] > 0.0).count();
+    if held > 0 {
+        text += &format!("; the program had no solution as it stood in {held} of {ticks} ticks");
+    }
+    text
+}

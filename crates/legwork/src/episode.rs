@@ -1,0 +1,324 @@
+//! One run: the only file that sees both the controller and the simulator.
+
+use std::time::Instant;
+
+use legwork_rbd::Model;
+
+use crate::contact::GroundPlane;
+use crate::control::{Controller, Estimate};
+use crate::diagnosis::{self, Fall};
+use crate::error::Error;
+use crate::log::{Field, Log};
+use crate::metrics::{self, Metrics};
+use crate::qp::Layout;
+use crate::scenario::Scenario;
+use crate::sim::Simulator;
+use crate::sim::audit::Audit;
+use crate::sim::sensors::Sensors;
+use crate::start::start_pose;
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// It lasted its full time.
+    Completed,
+    /// The robot fell.
+    Fell(Fall),
+    /// It was interrupted from outside.
+    Stopped,
+}
+
+/// How the programs went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ProgramCounts {
+    /// Programs solved.
+    pub solves: u64,
+    /// Ticks whose program had no solution as it stood.
+    pub infeasible: u64,
+    /// Ticks that ended with a fallback.
+    pub fallbacks: u64,
+    /// Mean of the solver's iterations a tick.
+    pub iterations_mean: f64,
+    /// Most of them.
+    pub iterations_max: u32,
+}
+
+/// How long things took; not part of the result's hash.
+#[derive(Clone, Debug, Default)]
+pub struct Timing {
+    /// Duration of each control tick [s].
+    pub ticks_s: Vec<f64>,
+    /// Of the whole run [s].
+    pub wall_s: f64,
+}
+
+impl Timing {
+    /// The `share` quantile of the tick durations [µs].
+    pub fn tick_quantile_us(&self, share: f64) -> f64 {
+        let mut sorted = self.ticks_s.clone();
+        sorted.sort_by(f64::total_cmp);
+        let last = sorted.len().saturating_sub(1);
+        sorted.get((share * last as f64).round() as usize).map_or(0.0, |seconds| seconds * 1e6)
+    }
+}
+
+/// A finished run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// What was run.
+    pub scenario: Scenario,
+    /// The robot.
+    pub model: Model,
+    /// The program's layout, with the names of its limits.
+    pub layout: Layout,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Why it fell, in a sentence; none where it did not.
+    pub reason: Option<String>,
+    /// One record a control tick.
+    pub log: Log,
+    /// The thesis's figures.
+    pub metrics: Metrics,
+    /// The simulator's books.
+    pub audit: Audit,
+    /// How the programs went.
+    pub program: ProgramCounts,
+    /// How long things took.
+    pub timing: Timing,
+    /// Hash of scenario and model.
+    pub input_hash: u128,
+    /// Hash of the log.
+    pub result_hash: u128,
+}
+
+/// A run in progress, advanced tick by tick.
+#[derive(Clone, Debug)]
+pub struct Episode {
+    scenario: Scenario,
+    model: Model,
+    controller: Controller,
+    simulator: Simulator,
+    sensors: Sensors,
+    truth: Estimate,
+    estimate: Estimate,
+    log: Log,
+    steps_per_tick: u64,
+    ticks: u64,
+    tick: u64,
+    fall: Option<Fall>,
+    program: ProgramCounts,
+    iterations: u64,
+    tick_times: Vec<f64>,
+}
+
+impl Episode {
+    /// A run of `scenario` with `model`; `samples` are the rows of the CoM file, where the scenario names one.
+    ///
+    /// # Errors
+    /// The start pose cannot be taken, a push names an unknown body, the CoM trajectory is not valid, or the model is
+    /// none that the controller can drive.
+    pub fn new(scenario: &Scenario, model: &Model, samples: &[[f64; 3]]) -> Result<Self, Error> {
+        check_feet(scenario, model)?;
+        let ground = GroundPlane::new(model, scenario.ground.friction, scenario.ground.slope_deg.to_radians());
+        let q = start_pose(scenario, model, &ground)?;
+        let simulator = Simulator::new(scenario, model, q.as_slice())?;
+        let touching = (0..model.contacts.len()).map(|contact| simulator.touching(contact)).collect();
+        let truth = Estimate { time: 0.0, q: simulator.q().to_vec(), v: simulator.v().to_vec(), touching };
+        let controller = Controller::new(scenario, model, samples, &truth)?;
+        let period = scenario.controller.period_s;
+        let ticks = (scenario.duration_s / period).round() as u64;
+        Ok(Self {
+            sensors: Sensors::new(&scenario.simulation.sensors, model, period, scenario.seed, &truth),
+            log: Log::new(model, controller.layout(), ticks as usize),
+            steps_per_tick: (period / scenario.simulation.period_s).round() as u64,
+            ticks,
+            tick: 0,
+            fall: None,
+            program: ProgramCounts::default(),
+            iterations: 0,
+            tick_times: Vec::with_capacity(ticks as usize),
+            estimate: truth.clone(),
+            truth,
+            scenario: scenario.clone(),
+            model: model.clone(),
+            controller,
+            simulator,
+        })
+    }
+
+    /// One control tick and the physics steps up to the next. Returns whether the run goes on. Allocates nothing.
+    pub fn advance(&mut self) -> bool {
+        if self.tick >= self.ticks || self.fall.is_some() {
+            return false;
+        }
+        self.sense();
+        let begin = Instant::now();
+        self.controller.tick(&self.estimate);
+        self.tick_times.push(begin.elapsed().as_secs_f64());
+        self.record();
+
+        let contacts = self.simulator.contact_forces().len();
+        let share = 1.0 / self.steps_per_tick as f64;
+        let mut sound = true;
+        for _ in 0..self.steps_per_tick {
+            sound = self.simulator.step(&self.controller.latest().solution.tau);
+            if !sound {
+                break;
+            }
+            let simulator = &self.simulator;
+            let mut record = self.log.last_mut();
+            record.accumulate(Field::GrfSimulated, (0..contacts).map(|k| share * simulator.contact_forces()[k]));
+            record.set(Field::TorqueApplied, simulator.applied_torques().iter().copied());
+            let report = simulator.contact_report();
+            let period = self.scenario.simulation.period_s;
+            record.set(Field::Contact, [f64::from(report.sweeps), report.residual / period]);
+        }
+        self.tick += 1;
+        self.fall = diagnosis::fall(&self.scenario, &self.model, &self.simulator, sound);
+        self.fall.is_none() && self.tick < self.ticks
+    }
+
+    fn sense(&mut self) {
+        self.truth.time = self.simulator.time();
+        self.truth.q.copy_from_slice(self.simulator.q());
+        self.truth.v.copy_from_slice(self.simulator.v());
+        for contact in 0..self.truth.touching.len() {
+            self.truth.touching[contact] = self.simulator.touching(contact);
+        }
+        self.sensors.read(&self.truth, &mut self.estimate);
+    }
+
+    /// Writes the tick's record: the true state, the references and what the program made of them.
+    fn record(&mut self) {
+        let axes = self.model.linear_axes();
+        let dynamics = self.simulator.dynamics();
+        let (reference, steps) = (self.controller.reference(), self.controller.steps());
+        let tick = self.controller.latest();
+        let project = |vector: nalgebra::Vector3<f64>| axes.iter().map(move |axis| axis.dot(&vector));
+        let motion = |point: &crate::reference::PointReference| {
+            let (p, v, a) = (point.position, point.velocity, point.acceleration);
+            project(p).chain(project(v)).chain(project(a))
+        };
+
+        let mut record = self.log.push();
+        record.set(Field::Time, [self.truth.time]);
+        record.set(Field::Q, self.truth.q.iter().copied());
+        record.set(Field::V, self.truth.v.iter().copied());
+        record.set(Field::Torque, tick.solution.tau.iter().copied());
+        record.set(Field::Grf, tick.solution.rho.iter().copied());
+        record.set(Field::Com, project(dynamics.com));
+        record.set(Field::ComVelocity, project(dynamics.com_velocity));
+        record.set(Field::ComReference, motion(&reference.chest.point));
+        record.set(Field::Xcom, [steps.xcom()]);
+        let torso_velocity = (0..self.truth.v.len()).map(|j| dynamics.torso_jacobian[(0, j)] * self.truth.v[j]).sum();
+        record.set(Field::Torso, [dynamics.torso_angle(&self.model), torso_velocity]);
+        let torso = &reference.chest.angle;
+        record.set(Field::TorsoReference, [torso.angle, torso.velocity, torso.acceleration]);
+        record.set(Field::Feet, dynamics.contact_positions.iter().flat_map(|point| project(*point)));
+        record.set(Field::FeetReference, reference.feet.iter().flat_map(|foot| motion(&foot.point)));
+        record.set(Field::Swing, [steps.swing_foot().map_or(-1.0, |foot| foot as f64)]);
+        record.set(Field::Touching, self.truth.touching.iter().map(|&touching| f64::from(u8::from(touching))));
+        record.set(Field::MomentumRateGoal, self.controller.planner().goal().momentum_rate.iter().copied());
+        record.set(Field::Acceleration, tick.solution.qdd.iter().copied());
+        record.set(Field::Slack, tick.solution.slack.iter().copied());
+        record.set(Field::ActiveLimit, tick.active.iter().map(|&side| f64::from(side)));
+        record.set(Field::Braking, tick.braking.iter().copied());
+        let status = tick.status as u8;
+        let numbers = [u32::from(status), tick.fallback as u32, tick.iterations, tick.solves];
+        record.set(Field::Program, numbers.map(f64::from));
+        let audit = self.simulator.audit();
+        record.set(Field::Energy, [dynamics.kinetic_energy, dynamics.potential_energy, audit.energy_error_j]);
+
+        let program = &mut self.program;
+        program.solves += u64::from(tick.solves);
+        program.infeasible += u64::from(tick.status != legwork_qp::Status::Optimal);
+        program.fallbacks += u64::from(tick.fallback != crate::control::Fallback::None);
+        program.iterations_max = program.iterations_max.max(tick.iterations);
+        self.iterations += u64::from(tick.iterations);
+    }
+
+    /// Time simulated so far [s].
+    pub fn time(&self) -> f64 {
+        self.simulator.time()
+    }
+
+    /// The log so far.
+    pub fn log(&self) -> &Log {
+        &self.log
+    }
+
+    /// The simulator.
+    pub fn simulator(&self) -> &Simulator {
+        &self.simulator
+    }
+
+    /// The controller.
+    pub fn controller(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// Ends the run and takes its figures.
+    pub fn finish(self, wall_s: f64) -> Run {
+        let outcome = match self.fall {
+            Some(fall) => Outcome::Fell(fall),
+            None if self.tick < self.ticks => Outcome::Stopped,
+            None => Outcome::Completed,
+        };
+        let reason = match &outcome {
+            Outcome::Fell(fall) => Some(diagnosis::reason(fall, &self.log, self.controller.layout())),
+            Outcome::Completed | Outcome::Stopped => None,
+        };
+        let mut program = self.program;
+        program.iterations_mean = self.iterations as f64 / self.tick.max(1) as f64;
+        Run {
+            metrics: metrics::measure(&self.scenario, &self.log),
+            audit: self.simulator.audit().clone(),
+            program,
+            timing: Timing { ticks_s: self.tick_times, wall_s },
+            input_hash: input_hash(&self.scenario, &self.model),
+            result_hash: self.log.hash(),
+            layout: self.controller.layout().clone(),
+            scenario: self.scenario,
+            model: self.model,
+            outcome,
+            reason,
+            log: self.log,
+        }
+    }
+}
+
+/// Runs `scenario` with `model` to its end, or until `stop` says so; see [`Episode::new`].
+///
+/// # Errors
+/// Those of [`Episode::new`].
+pub fn run(
+    scenario: &Scenario,
+    model: &Model,
+    samples: &[[f64; 3]],
+    mut stop: impl FnMut(f64) -> bool,
+) -> Result<Run, Error> {
+    let begin = Instant::now();
+    let mut episode = Episode::new(scenario, model, samples)?;
+    while episode.advance() && !stop(episode.time()) {}
+    Ok(episode.finish(begin.elapsed().as_secs_f64()))
+}
+
+/// Hash of everything that a run depends on.
+fn input_hash(scenario: &Scenario, model: &Model) -> u128 {
+    let mut hasher = xxhash_rust::xxh3::Xxh3::new();
+    hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
+    hasher.update(toml::to_string(scenario).expect("a scenario is plain data").as_bytes());
+    hasher.update(model.to_toml().as_bytes());
+    hasher.digest128()
+}
+
+/// The start pose needs two feet on the ground.
+fn check_feet(scenario: &Scenario, model: &Model) -> Result<(), Error> {
+    if model.contacts.len() >= 2 {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        format!("scenario '{}': model", scenario.name),
+        format!("the model '{}' has {} contact points; a biped needs at least two", model.name, model.contacts.len()),
+    ))
+}

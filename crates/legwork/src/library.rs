@@ -1,0 +1,153 @@
+//! The built-in models and scenarios, and the data files that a scenario may name.
+
+use std::path::Path;
+
+use legwork_rbd::{Base, Model};
+
+use crate::error::Error;
+use crate::settings::{TRAJECTORY_COLUMNS, Valid};
+
+/// A built-in file: its name and its text.
+type Entry = (&'static str, &'static str);
+
+const MODELS: &[Entry] = &[("planar_humanoid", include_str!("../../../models/planar_humanoid.toml"))];
+
+const SCENARIOS: &[Entry] = &[
+    ("stand", include_str!("../../../scenarios/stand.toml")),
+    ("walk", include_str!("../../../scenarios/walk.toml")),
+    ("push", include_str!("../../../scenarios/push.toml")),
+    ("push-replan", include_str!("../../../scenarios/push-replan.toml")),
+    ("walk-slope", include_str!("../../../scenarios/walk-slope.toml")),
+    ("walk-baseline", include_str!("../../../scenarios/walk-baseline.toml")),
+    ("push-baseline", include_str!("../../../scenarios/push-baseline.toml")),
+    ("waypoints", include_str!("../../../scenarios/waypoints.toml")),
+    ("walk-spring-damper", include_str!("../../../scenarios/walk-spring-damper.toml")),
+];
+
+/// The names of the built-in models.
+pub fn model_names() -> impl Iterator<Item = &'static str> {
+    MODELS.iter().map(|(name, _)| *name)
+}
+
+/// The file of a built-in model.
+pub fn model_text(name: &str) -> Option<&'static str> {
+    text(MODELS, name)
+}
+
+/// The names of the built-in scenarios.
+pub fn scenario_names() -> impl Iterator<Item = &'static str> {
+    SCENARIOS.iter().map(|(name, _)| *name)
+}
+
+/// The file of a built-in scenario.
+pub fn scenario_text(name: &str) -> Option<&'static str> {
+    text(SCENARIOS, name)
+}
+
+fn text(entries: &[Entry], name: &str) -> Option<&'static str> {
+    entries.iter().find(|entry| entry.0 == name).map(|entry| entry.1)
+}
+
+/// Reads a built-in model or a model file; a relative path is one from `folder`, where there is one.
+///
+/// # Errors
+/// Neither a built-in model nor a file has this name, or the file is no valid model.
+pub fn load_model(name_or_path: &str, folder: Option<&Path>) -> Result<Model, Error> {
+    load_model_with_base(name_or_path, folder, None)
+}
+
+/// As [`load_model`], with another base than the model names.
+///
+/// # Errors
+/// As [`load_model`].
+pub fn load_model_with_base(name_or_path: &str, folder: Option<&Path>, base: Option<Base>) -> Result<Model, Error> {
+    if let Some(text) = model_text(name_or_path) {
+        return Ok(Model::from_toml_with_base(text, &format!("built-in {name_or_path}.toml"), base)?);
+    }
+    let path = folder.unwrap_or(Path::new("")).join(name_or_path);
+    if is_mere_name(name_or_path) && !path.exists() {
+        return Err(Error::invalid("model", not_found("model", name_or_path, model_names())));
+    }
+    Ok(Model::load_with_base(&path, base)?)
+}
+
+/// Whether a text can only be the name of something built in, and no path.
+pub(crate) fn is_mere_name(text: &str) -> bool {
+    !text.contains(['/', '\\', '.'])
+}
+
+/// That nothing has this name, with what does: `kind` is "model" or "scenario".
+pub(crate) fn not_found(kind: &str, name: &str, names: impl Iterator<Item = &'static str>) -> String {
+    let names: Vec<_> = names.collect();
+    let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
+    let likeness = |known: &str| strsim::jaro_winkler(&stem, known);
+    let near = names.iter().copied().filter(|known| likeness(known) > 0.8);
+    let near = near.max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+    let hint = near.map_or(String::new(), |near| format!("did you mean {near}? "));
+    format!(
+        "neither a built-in {kind} nor a file is called \"{}\"; {hint}built-in: {}",
+        name.escape_debug(),
+        names.join(", ")
+    )
+}
+
+/// A whole text file.
+pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
+    let bytes = std::fs::read(path).map_err(|error| Error::io(path, &error))?;
+    String::from_utf8(bytes).map_err(|error| {
+        let offset = error.utf8_error().valid_up_to();
+        Error::invalid(path.display().to_string(), format!("not UTF-8 text (first bad byte at {offset})"))
+    })
+}
+
+/// Reads the samples `[t_s, x_m, z_m]` of a CoM trajectory from a CSV file with these columns, among others perhaps.
+///
+/// # Errors
+/// The file cannot be read, lacks a column, or holds what is no number, out of range or too short.
+pub fn load_samples(path: &Path) -> Result<Vec<[f64; 3]>, Error> {
+    let text = read_text(path)?;
+    let file = path.display();
+    let invalid = |error: csv::Error| Error::invalid(file.to_string(), error.to_string());
+    let mut reader =
+        csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).flexible(true).from_reader(text.as_bytes());
+    let header = reader.headers().map_err(invalid)?.clone();
+    let mut columns = [0; 3];
+    for (index, column) in columns.iter_mut().zip(&TRAJECTORY_COLUMNS) {
+        *index = header.iter().position(|name| name == column.name).ok_or_else(|| {
+            let found = header.iter().collect::<Vec<_>>().join(", ");
+            let needed = TRAJECTORY_COLUMNS.map(|column| column.name).join(", ");
+            let (name, found) = (column.name, found.escape_debug());
+            Error::invalid(
+                file.to_string(),
+                format!("the column {name} is missing; found {found}; needed are {needed}"),
+            )
+        })?;
+    }
+    let mut samples = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(invalid)?;
+        let mut sample = [0.0; 3];
+        for ((value, index), column) in sample.iter_mut().zip(columns).zip(&TRAJECTORY_COLUMNS) {
+            let cell = record.get(index).unwrap_or("");
+            *value = cell.parse().ok().filter(|number| column.holds(*number)).ok_or_else(|| {
+                let place = format!("{file}:{}: {}", line_of(&record, &text), column.name);
+                let valid = Valid::Number { min: column.min, max: column.max };
+                Error::invalid(place, format!("found \"{}\"; valid is {valid}", cell.escape_debug()))
+            })?;
+        }
+        samples.push(sample);
+    }
+    if samples.len() < 3 {
+        let problem = format!("found {} rows of samples; at least 3 are needed", samples.len());
+        return Err(Error::invalid(file.to_string(), problem));
+    }
+    Ok(samples)
+}
+
+/// The line of a record; the reader's own count is that of the empty lines and comments before it.
+fn line_of(record: &csv::StringRecord, text: &str) -> u64 {
+    let Some(position) = record.position() else { return 0 };
+    let rest = usize::try_from(position.byte()).ok().and_then(|byte| text.get(byte..)).unwrap_or("");
+    let skipped = rest.lines().take_while(|line| line.is_empty() || line.starts_with('#'));
+    position.line() + skipped.count() as u64
+}

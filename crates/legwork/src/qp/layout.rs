@@ -1,0 +1,178 @@
+//! Which variable and which row stands where. Thesis (B.1), (B.2), (B.7), (B.9)
+
+use std::ops::Range;
+
+use legwork_qp::{Constraint, Side};
+use legwork_rbd::Model;
+
+use crate::contact::GroundPlane;
+use crate::scenario::QpForm;
+
+/// The places of variables and rows in the program. Ranges that a form does not have are empty.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// The form that this is the layout of.
+    pub form: QpForm,
+    /// Joint accelerations.
+    pub qdd: Range<usize>,
+    /// Contact forces, a contact after the other, along the model's linear axes.
+    pub rho: Range<usize>,
+    /// Torques of the actuated joints (slack form).
+    pub tau: Range<usize>,
+    /// Slack of the momentum rate: angular, linear (slack form).
+    pub s_m: Range<usize>,
+    /// Slack of the foot accelerations (slack form).
+    pub s_f: Range<usize>,
+    /// Slack of the torso's angular acceleration (slack form).
+    pub s_a: Range<usize>,
+    /// Rows of the equation of motion (4.8), a joint each.
+    pub dynamics_rows: Range<usize>,
+    /// Rows of the momentum rate (4.17).
+    pub momentum_rows: Range<usize>,
+    /// Rows of the foot accelerations (4.19).
+    pub feet_rows: Range<usize>,
+    /// Row of the torso's angular acceleration (4.20).
+    pub torso_rows: Range<usize>,
+    /// Rows of the complementarity (4.10) (slack form).
+    pub complementarity_rows: Range<usize>,
+    /// Rows of the friction cones (4.16).
+    pub friction_rows: Range<usize>,
+    /// Degrees of freedom that are actuated, in order.
+    pub actuated: Vec<usize>,
+    /// The limits that can be active, in the order of [`Layout::limit`].
+    limits: Vec<Limit>,
+    dimension: usize,
+    friction_rows_per_contact: usize,
+}
+
+/// A limit of the program that can be active.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Limit {
+    /// Its name, as in `torque right_knee`.
+    pub name: String,
+    constraint: Constraint,
+}
+
+impl Layout {
+    /// The layout of `form` for `model` on `ground`.
+    pub fn new(form: QpForm, model: &Model, ground: &GroundPlane) -> Self {
+        let (nv, contacts, dimension) = (model.nv(), model.contacts.len(), model.linear_axes().len());
+        let actuated: Vec<usize> = model.actuated().collect();
+        let (forces, momenta) = (contacts * dimension, model.angular_axes().len() + dimension);
+        let slack = |size: usize| if form == QpForm::Slack { size } else { 0 };
+
+        let mut next = 0;
+        let mut take = |size: usize| {
+            next += size;
+            next - size..next
+        };
+        let (qdd, rho, tau) = (take(nv), take(forces), take(slack(actuated.len())));
+        let (s_m, s_f, s_a) = (take(slack(momenta)), take(slack(forces)), take(slack(1)));
+
+        next = 0;
+        let mut take = |size: usize| {
+            next += size;
+            next - size..next
+        };
+        let mut layout = Self {
+            form,
+            qdd,
+            rho,
+            tau,
+            s_m,
+            s_f,
+            s_a,
+            dynamics_rows: take(nv),
+            momentum_rows: take(momenta),
+            feet_rows: take(forces),
+            torso_rows: take(1),
+            complementarity_rows: take(slack(forces)),
+            friction_rows: take(contacts * ground.friction_rows()),
+            actuated,
+            limits: Vec::new(),
+            dimension,
+            friction_rows_per_contact: ground.friction_rows(),
+        };
+        layout.limits = layout.all_limits(model);
+        layout
+    }
+
+    /// Number of variables.
+    pub fn variables(&self) -> usize {
+        self.rho.end.max(self.s_a.end)
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.friction_rows.end
+    }
+
+    /// Directions of a contact force: 2 in the plane, 3 in space.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// Friction rows a contact.
+    pub fn friction_rows_per_contact(&self) -> usize {
+        self.friction_rows_per_contact
+    }
+
+    /// The limits that can be active: torques, forces, friction, joint accelerations.
+    pub fn limits(&self) -> &[Limit] {
+        &self.limits
+    }
+
+    /// The place in [`Layout::limits`] of a constraint that the solver names, where it is a limit.
+    pub fn limit(&self, constraint: Constraint) -> Option<usize> {
+        self.limits.iter().position(|limit| limit.constraint == constraint)
+    }
+
+    fn all_limits(&self, model: &Model) -> Vec<Limit> {
+        let mut limits = Vec::new();
+        let mut add = |name: String, constraint| limits.push(Limit { name, constraint });
+        for (index, &dof) in self.actuated.iter().enumerate() {
+            let constraint = match self.form {
+                QpForm::Direct => Constraint::Row(self.dynamics_rows.start + dof),
+                QpForm::Slack => Constraint::Bound(self.tau.start + index),
+            };
+            add(format!("torque {}", model.dofs[dof].name), constraint);
+        }
+        for (index, contact) in model.contacts.iter().enumerate() {
+            for row in 0..self.dimension {
+                let axis = axis_name(model, row);
+                let constraint = Constraint::Bound(self.rho.start + index * self.dimension + row);
+                add(format!("force {} {axis}", contact.name), constraint);
+            }
+        }
+        for (index, contact) in model.contacts.iter().enumerate() {
+            for row in 0..self.friction_rows_per_contact {
+                let what = if row == 0 { "unloading" } else { "friction" };
+                let constraint =
+                    Constraint::Row(self.friction_rows.start + index * self.friction_rows_per_contact + row);
+                let side = if row == 0 { String::new() } else { format!(" {}", if row % 2 == 1 { "+" } else { "-" }) };
+                add(format!("{what} {}{side}", contact.name), constraint);
+            }
+        }
+        for &dof in &self.actuated {
+            add(format!("acceleration {}", model.dofs[dof].name), Constraint::Bound(self.qdd.start + dof));
+        }
+        limits
+    }
+}
+
+/// `x`, `y` or `z`: the name of a linear axis.
+pub(crate) fn axis_name(model: &Model, row: usize) -> char {
+    let axis = model.linear_axes()[row];
+    if axis.x > 0.5 {
+        'x'
+    } else if axis.y > 0.5 {
+        'y'
+    } else {
+        'z'
+    }
+}
+
+/// `-1` at the lower side, `1` at the upper.
+pub(crate) fn side_sign(side: Side) -> i8 {
+    if side == Side::Lower { -1 } else { 1 }
+}

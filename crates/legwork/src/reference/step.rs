@@ -1,0 +1,147 @@
+//! When and where the robot steps: the state machine of Figure 4.2.
+//!
+//! Both feet stand until the XcoM leaves the base of support by more than a margin; then the rear foot (in the
+//! direction of the fall) swings, and once it touches the ground again after half the step time, its reference is
+//! latched where it stands.
+
+use nalgebra::Vector3;
+
+use super::{Observation, PointReference, swing, xcom};
+use crate::contact::GroundPlane;
+use crate::scenario::{Replan, StepSettings};
+
+/// What the feet are doing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Phase {
+    /// Both feet stand.
+    DoubleSupport,
+    /// One foot swings.
+    Step {
+        /// 0 right, 1 left.
+        foot: usize,
+        /// When it was triggered [s].
+        since: f64,
+        /// Where the foot's reference was then [m].
+        from: Vector3<f64>,
+        /// Planned displacement along x [m], signed.
+        length: f64,
+    },
+}
+
+/// The step state machine.
+#[derive(Clone, Debug)]
+pub struct StepMachine {
+    settings: StepSettings,
+    ground: GroundPlane,
+    gravity: f64,
+    phase: Phase,
+    standing: [Vector3<f64>; 2],
+    xcom: f64,
+    steps: u32,
+}
+
+impl StepMachine {
+    /// A machine with both feet standing where they are in `start`; `gravity` [m/s²].
+    pub fn new(settings: StepSettings, ground: GroundPlane, gravity: f64, start: &Observation) -> Self {
+        let on_ground = |foot: Vector3<f64>| Vector3::new(foot.x, foot.y, ground.height_at(foot.x));
+        let standing = start.feet.map(on_ground);
+        Self { settings, ground, gravity, phase: Phase::DoubleSupport, standing, xcom: start.com.x, steps: 0 }
+    }
+
+    /// What the feet are doing.
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// The foot that swings, if one does.
+    pub fn swing_foot(&self) -> Option<usize> {
+        match self.phase {
+            Phase::DoubleSupport => None,
+            Phase::Step { foot, .. } => Some(foot),
+        }
+    }
+
+    /// The extrapolated centre of mass as of the latest update [m].
+    pub fn xcom(&self) -> f64 {
+        self.xcom
+    }
+
+    /// Steps triggered so far.
+    pub fn steps(&self) -> u32 {
+        self.steps
+    }
+
+    /// Moves the state machine on; `com` is the CoM's reference.
+    pub fn update(&mut self, observation: &Observation, com: &PointReference) {
+        let height = com.position.z - self.ground.height_at(com.position.x);
+        let omega = xcom::eigenfrequency(self.gravity, height);
+        self.xcom = xcom::xcom(observation.com.x, observation.com_velocity.x, omega);
+
+        if let Phase::Step { foot, since, from, length } = self.phase {
+            let elapsed = observation.time - since;
+            if elapsed >= 0.5 * self.settings.duration_s && observation.touching[foot] {
+                let x = observation.feet[foot].x;
+                self.standing[foot] = Vector3::new(x, observation.feet[foot].y, self.ground.height_at(x));
+                self.phase = Phase::DoubleSupport;
+            } else if self.settings.replan == Replan::InSwing {
+                let left = (self.settings.duration_s - elapsed).max(0.0);
+                let length = self.step_length(from.x, observation.feet[1 - foot].x, length.signum(), omega, left);
+                self.phase = Phase::Step { foot, since, from, length };
+            }
+        }
+        if self.phase == Phase::DoubleSupport {
+            self.trigger(observation, com.velocity.x, omega);
+        }
+    }
+
+    /// Starts a step when the XcoM has left the base of support far enough.
+    fn trigger(&mut self, observation: &Observation, reference_speed: f64, omega: f64) {
+        let feet = observation.feet;
+        // The delay holds on the side that the reference moves to only: a push back is answered at once.
+        let margin = (self.settings.delay_s * reference_speed.abs()).min(self.settings.max_delay_m);
+        let ahead = if reference_speed > 0.0 { margin } else { 0.0 };
+        let behind = if reference_speed < 0.0 { margin } else { 0.0 };
+        let direction = if self.xcom > feet[0].x.max(feet[1].x) + ahead {
+            1.0
+        } else if self.xcom < feet[0].x.min(feet[1].x) - behind {
+            -1.0
+        } else {
+            return;
+        };
+        // The rear foot in the direction of the fall steps.
+        let foot = usize::from(direction * feet[1].x < direction * feet[0].x);
+        let from = self.standing[foot];
+        let length = self.step_length(from.x, feet[1 - foot].x, direction, omega, self.settings.duration_s);
+        self.phase = Phase::Step { foot, since: observation.time, from, length };
+        self.steps += 1;
+    }
+
+    /// Signed displacement of the foot: to the XcoM predicted for the end of the step, and somewhat further.
+    fn step_length(&self, from: f64, stance: f64, direction: f64, omega: f64, time: f64) -> f64 {
+        let target = xcom::predicted_xcom(self.xcom, stance, omega, time); // Thesis (2.5)
+        let length = direction * (1.0 + self.settings.overshoot) * (target - from);
+        direction * length.clamp(self.settings.min_length_m, self.settings.max_length_m)
+    }
+
+    /// Reference of a foot (0 right, 1 left) at `time` [s].
+    pub fn foot(&self, foot: usize, time: f64) -> PointReference {
+        match self.phase {
+            Phase::Step { foot: swinging, since, from, length } if swinging == foot => {
+                let duration = self.settings.duration_s;
+                let t = (time - since).min(duration);
+                let x = swing::forward(t, duration, length); // Thesis (4.1)
+                let z = swing::upward(t, duration, self.settings.height_m); // Thesis (4.2)
+                let over = time - since > duration; // late: wait at the target
+                let slope = self.ground.height_at(1.0);
+                let along = |forward: f64, up: f64| Vector3::new(forward, 0.0, slope * forward + up);
+                let moving = |value: Vector3<f64>| if over { Vector3::zeros() } else { value };
+                PointReference {
+                    position: from + along(x.value, z.value),
+                    velocity: moving(along(x.rate, z.rate)),
+                    acceleration: moving(along(x.acceleration, z.acceleration)),
+                }
+            }
+            _ => PointReference { position: self.standing[foot], ..PointReference::default() },
+        }
+    }
+}

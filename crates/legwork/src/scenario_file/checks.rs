@@ -1,0 +1,135 @@
+//! The checks of a resolved scenario: each value by itself, then values against one another.
+
+use toml::Value;
+
+use super::draft::Draft;
+use crate::error::Error;
+use crate::scenario::{Scenario, TrajectoryKind};
+use crate::settings::{SETTINGS, Setting, at};
+
+/// A log of more ticks would not fit into memory.
+const MOST_TICKS: f64 = 4e6;
+
+impl Draft {
+    /// The scenario, if all is valid; `file_name` is for what no line can be blamed for.
+    pub(super) fn check(mut self, file_name: &str) -> Result<Scenario, Error> {
+        let pushes = self.tree["pushes"].as_array().map_or(0, Vec::len);
+        for setting in SETTINGS {
+            if setting.path.starts_with("pushes.") {
+                for index in 0..pushes {
+                    self.check_value(setting, &setting.path.replace('N', &index.to_string()))?;
+                }
+            } else {
+                self.check_value(setting, setting.path)?;
+            }
+        }
+        let scenario = std::mem::replace(&mut self.tree, Value::Boolean(false))
+            .try_into()
+            .map_err(|error: toml::de::Error| Error::invalid(file_name, error.message()))?;
+        match conflict(&scenario) {
+            Some((paths, problem)) => {
+                let place = self.place(paths).map_or_else(|| format!("{file_name}: {}", paths[0]), str::to_owned);
+                Err(Error::invalid(place, problem))
+            }
+            None => Ok(scenario),
+        }
+    }
+
+    /// Checks the value at `path` and brings it to its type.
+    fn check_value(&mut self, setting: &Setting, path: &str) -> Result<(), Error> {
+        let value = at(&mut self.tree, path).expect("a draft has the shape of a scenario");
+        match setting.valid.check(value) {
+            Ok(checked) => {
+                *value = checked;
+                Ok(())
+            }
+            Err(found) => {
+                let problem = format!("found {found}; valid is {}", setting.valid_in_words());
+                Err(Error::invalid(self.place(&[path]).unwrap_or(path), problem))
+            }
+        }
+    }
+}
+
+/// The first contradiction between values: the settings concerned and what is wrong.
+fn conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
+    let Scenario { name, duration_s: duration, controller, simulation, reference, .. } = scenario;
+    if name.trim().is_empty() || name.contains(['/', '\\']) || name.contains(char::is_control) {
+        let problem = format!("found \"{}\"; valid is a text that can be part of a file's name", name.escape_debug());
+        return Some((&["name"], problem));
+    }
+
+    let (control, physics) = (controller.period_s, simulation.period_s);
+    let ratio = control / physics;
+    if ratio < 0.5 || (ratio - ratio.round()).abs() > 1e-9 {
+        let problem = format!(
+            "the control period of {control} s is {ratio} times the physics period of {physics} s; \
+             valid is a whole multiple of it"
+        );
+        return Some((&["controller.period_s", "simulation.period_s"], problem));
+    }
+    if *duration < control {
+        let problem = format!("the run of {duration} s is shorter than one control period of {control} s");
+        return Some((&["duration_s", "controller.period_s"], problem));
+    }
+    if duration / control > MOST_TICKS {
+        let problem = format!(
+            "a run of {duration} s has {:.0} control periods of {control} s; valid are at most {MOST_TICKS}",
+            duration / control
+        );
+        return Some((&["duration_s", "controller.period_s"], problem));
+    }
+
+    let delays: [(&'static [&'static str], f64); 2] = [
+        (&["simulation.sensors.delay_s", "duration_s"], simulation.sensors.delay_s),
+        (&["simulation.actuators.delay_s", "duration_s"], simulation.actuators.delay_s),
+    ];
+    for (paths, delay) in delays {
+        if delay >= *duration {
+            return Some((paths, format!("the delay of {delay} s is not shorter than the run of {duration} s")));
+        }
+    }
+
+    let (least, most) = (reference.step.min_length_m, reference.step.max_length_m);
+    if least > most {
+        let paths = &["reference.step.min_length_m", "reference.step.max_length_m"];
+        return Some((paths, format!("the shortest step of {least} m is longer than the longest of {most} m")));
+    }
+    trajectory_conflict(scenario).or_else(|| fall_conflict(scenario))
+}
+
+fn trajectory_conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
+    let com = &scenario.reference.com;
+    let waypoints = &["reference.com.waypoints", "reference.com.trajectory"];
+    match com.trajectory {
+        TrajectoryKind::File if com.file.is_empty() => {
+            let problem = "the trajectory \"file\" needs a CSV file in reference.com.file";
+            Some((&["reference.com.trajectory", "reference.com.file"], problem.to_owned()))
+        }
+        TrajectoryKind::Waypoints if com.waypoints.is_empty() => {
+            let problem = "the trajectory \"waypoints\" needs rows [t_s, x_m, z_m] in reference.com.waypoints";
+            Some((waypoints, problem.to_owned()))
+        }
+        TrajectoryKind::Waypoints => {
+            let late = com.waypoints.windows(2).position(|rows| rows[1][0] <= rows[0][0])? + 1;
+            let (before, after) = (com.waypoints[late - 1][0], com.waypoints[late][0]);
+            Some((waypoints, format!("row {late}: {after} s comes after {before} s; valid are times that increase")))
+        }
+        _ => None,
+    }
+}
+
+/// The start must not count as a fall.
+fn fall_conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
+    let (start, reference) = (scenario.start.torso_angle_deg, scenario.controller.planner.torso_angle_deg);
+    let limit = scenario.fall.max_torso_angle_deg;
+    if (start - reference).abs() <= limit {
+        return None;
+    }
+    let paths = &["fall.max_torso_angle_deg", "start.torso_angle_deg", "controller.planner.torso_angle_deg"];
+    let problem = format!(
+        "the start counts as a fall: its torso angle of {start} deg is more than {limit} deg from the {reference} deg \
+         asked for"
+    );
+    Some((paths, problem))
+}

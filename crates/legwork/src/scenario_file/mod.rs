@@ -1,0 +1,147 @@
+//! Reading and writing scenarios: TOML files, `extends`, `--set`, and the checks.
+//!
+//! A file holds only what differs from [`Scenario::default`], or from the scenario that its key `extends` names (a
+//! built-in one, or a file relative to the file's own folder). Tables are merged, lists are replaced as a whole; `name`
+//! and `description` are a file's own. `--set` comes last. The checks see the result, so that what is out of range in
+//! one layer and put right by the next does no harm.
+
+mod checks;
+mod draft;
+mod write;
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+use toml::de::{DeTable, DeValue};
+
+use crate::error::Error;
+use crate::library::{is_mere_name, not_found, read_text, scenario_names, scenario_text};
+use crate::scenario::Scenario;
+use draft::{Draft, Source};
+
+pub use write::to_toml;
+
+/// A scenario with the folder that its paths are relative to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loaded {
+    /// Resolved and checked.
+    pub scenario: Scenario,
+    /// The folder of its file; none for a built-in scenario, whose paths are relative to the current folder.
+    pub folder: Option<PathBuf>,
+}
+
+impl Loaded {
+    /// The path of a file that the scenario names.
+    pub fn resolve_path(&self, text: &str) -> PathBuf {
+        self.folder.as_deref().unwrap_or(Path::new("")).join(text)
+    }
+}
+
+/// Reads a built-in scenario or a file, and applies the `sets`, each `path=value`.
+///
+/// # Errors
+/// Neither is called so, it cannot be read, or its content or a `--set` is not valid.
+pub fn load(name_or_path: &str, sets: &[String]) -> Result<Loaded, Error> {
+    resolve(Origin::open(name_or_path, None)?, sets)
+}
+
+/// Reads a scenario from its text; `file_name` is used in messages and for the name of a scenario that states none,
+/// `folder` for the relative paths in it.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(text: &str, file_name: &str, folder: Option<&Path>, sets: &[String]) -> Result<Loaded, Error> {
+    let (file_name, folder) = (file_name.to_owned(), folder.map(Path::to_owned));
+    resolve(Origin { identity: PathBuf::from(&file_name), file_name, folder, text: Cow::Borrowed(text) }, sets)
+}
+
+fn resolve(origin: Origin, sets: &[String]) -> Result<Loaded, Error> {
+    let mut draft = origin.draft(&mut Vec::new())?;
+    for assignment in sets {
+        draft.set(assignment)?;
+        // On the command line a path is relative to the current folder, in a file to the file's.
+        if let (Some(_), Ok(here)) = (&origin.folder, std::env::current_dir()) {
+            let path = assignment.split('=').next().unwrap_or("").trim();
+            draft.move_path(path, &here);
+        }
+    }
+    Ok(Loaded { scenario: draft.check(&origin.file_name)?, folder: origin.folder })
+}
+
+/// A scenario's text and where it is from.
+struct Origin<'a> {
+    /// Equal for the same file, however it is named.
+    identity: PathBuf,
+    file_name: String,
+    folder: Option<PathBuf>,
+    text: Cow<'a, str>,
+}
+
+impl Origin<'_> {
+    /// Finds a built-in scenario, or a file relative to `folder`.
+    fn open(name: &str, folder: Option<&Path>) -> Result<Self, Error> {
+        if let Some(text) = scenario_text(name) {
+            let file_name = format!("built-in {name}.toml");
+            return Ok(Self { identity: PathBuf::from(&file_name), file_name, folder: None, text: text.into() });
+        }
+        let path = folder.unwrap_or(Path::new("")).join(name);
+        if !path.exists() {
+            let problem = not_found("scenario", name, scenario_names());
+            return Err(if is_mere_name(name) {
+                Error::invalid("scenario", problem)
+            } else {
+                Error::Io { path, problem }
+            });
+        }
+        let (text, file_name) = (read_text(&path)?, path.display().to_string());
+        let identity = path.canonicalize().unwrap_or_else(|_| path.clone());
+        Ok(Self { identity, file_name, folder: path.parent().map(Path::to_owned), text: text.into() })
+    }
+
+    /// Its values over those of the scenario that it extends; `extending` are the scenarios that extend this one.
+    fn draft(&self, extending: &mut Vec<(PathBuf, String)>) -> Result<Draft, Error> {
+        let source = Source::File { name: &self.file_name, text: &self.text };
+        let mut document = DeTable::parse(&self.text)
+            .map_err(|error| {
+                let place = source.line(error.span().map_or(self.text.len(), |span| span.start));
+                Error::invalid(place, format!("not TOML: {}", error.message()))
+            })?
+            .into_inner();
+        if document.is_empty() {
+            let problem = "nothing in it; `legwork show stand` prints a scenario to start from";
+            return Err(Error::invalid(&self.file_name, problem));
+        }
+        let mut draft = match document.remove_entry("extends") {
+            Some((key, value)) => {
+                let place = source.place(key.span().start, "extends");
+                extending.push((self.identity.clone(), self.file_name.clone()));
+                self.base(value.get_ref(), &place, extending)?
+            }
+            None => Draft::default(),
+        };
+        let name = Path::new(&self.file_name).file_stem().unwrap_or_default();
+        draft.rename(&name.to_string_lossy());
+        draft.merge(&DeValue::Table(document), &source)?;
+        Ok(draft)
+    }
+
+    /// The draft of the scenario that the key `extends` names at `place`.
+    fn base(&self, name: &DeValue, place: &str, extending: &mut Vec<(PathBuf, String)>) -> Result<Draft, Error> {
+        let Some(name) = name.as_str() else {
+            let problem = format!("found {}; valid is the name of a built-in scenario or a file", draft::found(name));
+            return Err(Error::invalid(place, problem));
+        };
+        let origin =
+            Origin::open(name, self.folder.as_deref()).map_err(|error| Error::invalid(place, error.to_string()))?;
+        if extending.iter().any(|(identity, _)| *identity == origin.identity) {
+            let chain = extending.iter().map(|(_, name)| name.as_str()).chain([origin.file_name.as_str()]);
+            let chain = chain.collect::<Vec<_>>().join(" -> ");
+            return Err(Error::invalid(place, format!("the scenarios extend one another in a circle: {chain}")));
+        }
+        let mut draft = origin.draft(extending)?;
+        if let (Some(_), Some(folder)) = (&origin.folder, Path::new(name).parent()) {
+            draft::PATHS.iter().for_each(|path| draft.move_path(path, folder));
+        }
+        Ok(draft)
+    }
+}

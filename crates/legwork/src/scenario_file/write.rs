@@ -1,0 +1,54 @@
+//! Writing a scenario in full.
+
+use std::fmt::Write as _;
+
+use toml::Value;
+
+use crate::scenario::Scenario;
+use crate::settings::{self, SETTINGS, Setting, at};
+
+/// The scenario as TOML with every value, each with a comment: meaning, symbol, range, unit, default and its source.
+///
+/// What [`super::parse`] reads from it equals `scenario`, if its values are valid.
+///
+/// # Panics
+/// If the seed is above `i64::MAX`.
+pub fn to_toml(scenario: &Scenario) -> String {
+    let mut tree = settings::tree(scenario);
+    let mut text = String::new();
+    for settings in SETTINGS.chunk_by(|a, b| a.table() == b.table()) {
+        match settings[0].table() {
+            "pushes.N" => {
+                for index in 0..scenario.pushes.len() {
+                    text += "\n[[pushes]]\n";
+                    write_values(settings, &index.to_string(), &mut tree, &mut text);
+                }
+            }
+            table => {
+                if !table.is_empty() {
+                    let _ = writeln!(text, "\n[{table}]");
+                }
+                write_values(settings, "", &mut tree, &mut text);
+            }
+        }
+    }
+    text
+}
+
+/// The values of a table; `index` stands for the N in their paths.
+fn write_values(settings: &[Setting], index: &str, tree: &mut Value, text: &mut String) {
+    for setting in settings {
+        let path = setting.path.replace('N', index);
+        let value = at(tree, &path).expect("the table of settings matches the scenario");
+        let _ = writeln!(text, "# {}\n{} = {value}", comment(setting), setting.key());
+    }
+}
+
+fn comment(setting: &Setting) -> String {
+    let symbol = if setting.symbol.is_empty() { String::new() } else { format!("{}: ", setting.symbol) };
+    let default = match setting.default() {
+        Some(default) => format!("default {default} ({})", setting.source),
+        None => "required".to_owned(),
+    };
+    format!("{symbol}{} Valid is {}; {default}.", setting.help, setting.valid_in_words())
+}

@@ -1,0 +1,269 @@
+//! The table of settings, in the order of the scenario's structs.
+
+use super::{Column, Setting, TRAJECTORY_COLUMNS, Valid};
+
+// Sources of the defaults
+const FINAL: &str = "thesis Table 6.3";
+const GENERATOR: &str = "thesis 4.3.1";
+const FITTED: &str = "fitted";
+const OURS: &str = "ours";
+
+// Ranges: wide enough for any study, narrow enough to catch a slip
+const ANY_TIME: [f64; 2] = [0.0, 3600.0];
+const SOME_TIME: [f64; 2] = [1e-5, 3600.0];
+const PERIOD: [f64; 2] = [1e-5, 0.1];
+const DELAY: [f64; 2] = [0.0, 1.0];
+const PLACE: [f64; 2] = [-1e3, 1e3];
+const LENGTH: [f64; 2] = [0.0, 5.0];
+const TILT: [f64; 2] = [-90.0, 90.0];
+const SLOPE: [f64; 2] = [-60.0, 60.0];
+const FRICTION: [f64; 2] = [0.0, 10.0];
+const WEIGHT: [f64; 2] = [0.0, 1e12];
+/// The program is strictly convex only with these.
+const POSITIVE_WEIGHT: [f64; 2] = [1e-12, 1e12];
+const GAIN: [f64; 2] = [0.0, 1e6];
+
+const TRACKING: &[&str] = &["cost", "equality"];
+const POINT: [Column; 3] =
+    [Column::new("x", -10.0, 10.0), Column::new("y", -10.0, 10.0), Column::new("z", -10.0, 10.0)];
+
+const fn setting(path: &'static str, valid: Valid, source: &'static str, help: &'static str) -> Setting {
+    Setting { path, symbol: "", unit: "", valid, source, help }
+}
+
+const fn number(
+    path: &'static str,
+    unit: &'static str,
+    [min, max]: [f64; 2],
+    source: &'static str,
+    help: &'static str,
+) -> Setting {
+    Setting { unit, ..setting(path, Valid::Number { min, max }, source, help) }
+}
+
+const fn choice(
+    path: &'static str,
+    alternatives: &'static [&'static str],
+    source: &'static str,
+    help: &'static str,
+) -> Setting {
+    setting(path, Valid::OneOf(alternatives), source, help)
+}
+
+impl Setting {
+    const fn called(self, symbol: &'static str) -> Self {
+        Self { symbol, ..self }
+    }
+}
+
+/// Every value of a scenario, in the order in which files are written.
+pub const SETTINGS: &[Setting] = &[
+    setting("name", Valid::Text, OURS, "Name; where a file gives none, its own."),
+    setting("description", Valid::Text, OURS, "What the scenario shows, in a sentence."),
+    setting("model", Valid::Text, OURS, "A built-in model, or a TOML or URDF file."),
+    number("duration_s", "s", [1e-3, 3600.0], OURS, "Simulated time."),
+    setting("seed", Valid::Integer { min: 0, max: i64::MAX }, OURS, "Seed of the sensor noise."),
+    //
+    number("start.right_foot_x_m", "m", PLACE, FITTED, "Place of the right foot."),
+    number("start.left_foot_x_m", "m", PLACE, FITTED, "Place of the left foot."),
+    number("start.com_x_m", "m", PLACE, FITTED, "Place of the centre of mass."),
+    number("start.com_height_m", "m", [0.05, 5.0], FITTED, "Height of the centre of mass above the ground below it."),
+    number(
+        "start.torso_angle_deg",
+        "deg",
+        TILT,
+        FITTED,
+        "Torso angle, counter-clockwise: leaning forward is negative.",
+    ),
+    //
+    number("ground.friction", "", FRICTION, FITTED, "Coefficient of friction.").called("mu"),
+    number("ground.slope_deg", "deg", SLOPE, "thesis, flat ground", "Slope, upward in x.").called("theta"),
+    setting("ground.known", Valid::Bool, OURS, "Whether the controller is given the true friction and slope."),
+    //
+    choice(
+        "reference.com.trajectory",
+        &["stationary", "constant-velocity", "waypoints", "file"],
+        GENERATOR,
+        "How the centre of mass should move.",
+    ),
+    number("reference.com.speed_mps", "m/s", [-5.0, 5.0], OURS, "Forward speed of \"constant-velocity\"."),
+    number("reference.com.ramp_s", "s", ANY_TIME, GENERATOR, "Time to ramp up to that speed; 0 is a step."),
+    setting(
+        "reference.com.waypoints",
+        Valid::Rows(&TRAJECTORY_COLUMNS),
+        OURS,
+        "Points of \"waypoints\" in the world, at rest in each.",
+    ),
+    setting("reference.com.file", Valid::Text, OURS, "CSV file of \"file\" with the columns t_s, x_m, z_m."),
+    //
+    number("reference.step.duration_s", "s", [1e-2, 10.0], FITTED, "Time of a step.").called("t_T"),
+    number("reference.step.height_m", "m", [0.0, 1.0], FITTED, "Height of the foot's arc.").called("h_s"),
+    number("reference.step.min_length_m", "m", LENGTH, FITTED, "Shortest displacement of a foot."),
+    number("reference.step.max_length_m", "m", LENGTH, FITTED, "Longest displacement of a foot.").called("l_s"),
+    number(
+        "reference.step.overshoot",
+        "",
+        [0.0, 5.0],
+        GENERATOR,
+        "Share of the distance to the predicted XcoM that is added to the step length.",
+    ),
+    number(
+        "reference.step.delay_s",
+        "s",
+        [0.0, 10.0],
+        GENERATOR,
+        "How far the XcoM may leave the base of support before a step, as time at reference speed.",
+    ),
+    number("reference.step.max_delay_m", "m", LENGTH, FITTED, "The most that it may leave it."),
+    choice("reference.step.replan", &["never", "in-swing"], GENERATOR, "When the step length is planned again."),
+    //
+    number("controller.period_s", "s", PERIOD, OURS, "Time between two ticks; a whole multiple of the physics period."),
+    choice("controller.form", &["direct", "slack"], OURS, "Form of the quadratic program; both have one optimum."),
+    number(
+        "controller.assumed_friction",
+        "",
+        FRICTION,
+        OURS,
+        "Friction that the controller assumes where the ground is not known.",
+    ),
+    number("controller.assumed_slope_deg", "deg", SLOPE, OURS, "Slope that it assumes where the ground is not known."),
+    //
+    number("controller.planner.angular_momentum_gain", "1/s", GAIN, FITTED, "Angular momentum to its rate.")
+        .called("P_theta"),
+    number("controller.planner.com_gain", "N/m", GAIN, FINAL, "CoM error to force.").called("P_C"),
+    number("controller.planner.foot_gain", "1/s²", GAIN, FINAL, "Foot error to acceleration.").called("P_f"),
+    number("controller.planner.torso_gain", "1/s²", GAIN, FITTED, "Torso angle error to angular acceleration.")
+        .called("P_a"),
+    choice(
+        "controller.planner.damping",
+        &["printed", "critical"],
+        "thesis 6.3.7",
+        "Damping gains: D = sqrt(2 m P) as printed (ratio 0.71), or critical, D = 2 sqrt(m P).",
+    ),
+    number(
+        "controller.planner.max_horizontal_momentum_rate_n",
+        "N",
+        [0.0, 1e6],
+        FITTED,
+        "Largest horizontal momentum rate asked for.",
+    ),
+    number("controller.planner.torso_angle_deg", "deg", TILT, "thesis (4.6)", "Torso angle asked for."),
+    //
+    number("controller.weights.joint_acceleration", "", POSITIVE_WEIGHT, FINAL, "Weight of joint accelerations.")
+        .called("C_v"),
+    number("controller.weights.grf", "", POSITIVE_WEIGHT, FINAL, "Weight of ground reaction forces.").called("C_rho"),
+    number("controller.weights.torque", "", WEIGHT, FINAL, "Weight of joint torques.").called("C_tau"),
+    number("controller.weights.momentum", "", WEIGHT, FINAL, "Weight of the momentum rate's error.").called("C_m"),
+    number("controller.weights.feet", "", WEIGHT, FINAL, "Weight of the feet's acceleration error.").called("C_f"),
+    number("controller.weights.torso", "", WEIGHT, FINAL, "Weight of the torso's angular acceleration error.")
+        .called("C_a"),
+    number(
+        "controller.weights.braking",
+        "",
+        WEIGHT,
+        OURS,
+        "Weight of a braking joint's acceleration error where the bound (4.32) had to yield.",
+    ),
+    //
+    choice("controller.tracking.momentum", TRACKING, "thesis (4.17)", "How the momentum rate is tracked."),
+    choice("controller.tracking.feet", TRACKING, "thesis (4.19)", "How the feet are tracked."),
+    choice("controller.tracking.torso", TRACKING, "thesis (4.20)", "How the torso is tracked."),
+    //
+    number("controller.limits.torque_nm", "Nm", [0.1, 1e5], FINAL, "Largest joint torque."),
+    number("controller.limits.grf_n", "N", [1.0, 1e6], FINAL, "Largest component of a contact's force."),
+    number(
+        "controller.limits.joint_acceleration_radps2",
+        "rad/s²",
+        [1.0, 1e6],
+        FITTED,
+        "Largest acceleration of an actuated joint.",
+    ),
+    //
+    number("simulation.period_s", "s", PERIOD, OURS, "Time step of the physics."),
+    choice(
+        "simulation.integrator",
+        &["semi-implicit-euler", "midpoint"],
+        OURS,
+        "How the state is advanced: new velocity first, or Moreau's midpoint.",
+    ),
+    //
+    choice("simulation.contact.model", &["rigid", "spring-damper"], "thesis 3.3", "The law of the ground."),
+    number(
+        "simulation.contact.flag_height_m",
+        "m",
+        [0.0, 0.1],
+        OURS,
+        "A contact point below this height counts as touching for the controller.",
+    ),
+    number(
+        "simulation.contact.penetration_recovery",
+        "",
+        [0.0, 1.0],
+        OURS,
+        "Share of a penetration that is undone in a step (rigid).",
+    ),
+    number("simulation.contact.relaxation", "", [1e-3, 1.0], OURS, "Relaxation of the sweeps (rigid).").called("alpha"),
+    number(
+        "simulation.contact.tolerance_n",
+        "N",
+        [1e-12, 1e3],
+        OURS,
+        "Sweeps end when no impulse changes by more than this, as force (rigid).",
+    ),
+    setting(
+        "simulation.contact.max_sweeps",
+        Valid::Integer { min: 1, max: 100_000 },
+        OURS,
+        "Most sweeps in a step (rigid).",
+    ),
+    number("simulation.contact.stiffness_npm", "N/m", [1.0, 1e9], OURS, "Normal stiffness (spring-damper)."),
+    number("simulation.contact.damping_nspm", "Ns/m", [0.0, 1e7], OURS, "Normal damping (spring-damper)."),
+    number(
+        "simulation.contact.slip_speed_mps",
+        "m/s",
+        [1e-6, 10.0],
+        OURS,
+        "Slip speed at which friction is fully developed (spring-damper).",
+    ),
+    //
+    number(
+        "simulation.sensors.position_noise",
+        "rad or m",
+        [0.0, 10.0],
+        OURS,
+        "Standard deviation of each measured position.",
+    ),
+    number(
+        "simulation.sensors.velocity_noise",
+        "rad/s or m/s",
+        [0.0, 100.0],
+        OURS,
+        "Standard deviation of each measured velocity.",
+    ),
+    number("simulation.sensors.delay_s", "s", DELAY, OURS, "Delay of the measured state."),
+    number("simulation.actuators.delay_s", "s", DELAY, OURS, "Delay of the torque."),
+    number("simulation.actuators.lag_s", "s", DELAY, OURS, "Time constant of a first-order lag behind that delay."),
+    //
+    number(
+        "fall.min_com_height_fraction",
+        "",
+        [0.0, 0.99],
+        OURS,
+        "Fallen below this CoM height, as a share of the start's.",
+    ),
+    number("fall.max_torso_angle_deg", "deg", [1.0, 180.0], OURS, "Fallen above this torso angle from its reference."),
+    number("fall.max_joint_speed_radps", "rad/s", [1.0, 1e6], OURS, "Out of bounds above this joint speed."),
+    //
+    number("metrics.com_error_from_s", "s", ANY_TIME, "thesis 7.1.3", "The CoM error counts from this time."),
+    number("metrics.recovered_within_m", "m", [1e-4, 10.0], OURS, "Recovered: the CoM error stays below this."),
+    //
+    number("pushes.N.force_n", "N", [-1e6, 1e6], OURS, "Size of the force."),
+    number("pushes.N.direction_deg", "deg", [-360.0, 360.0], OURS, "0 is forward, 90 up, 180 backward."),
+    number("pushes.N.start_s", "s", ANY_TIME, OURS, "When it begins."),
+    number("pushes.N.duration_s", "s", SOME_TIME, OURS, "How long it lasts."),
+    setting("pushes.N.at", Valid::Text, OURS, "\"com\" or the name of a body."),
+    Setting {
+        unit: "m",
+        ..setting("pushes.N.point_m", Valid::Row(&POINT), OURS, "Where on that body, from its centre of mass.")
+    },
+];

@@ -1,0 +1,169 @@
+//! The books of a run: whether the simulation obeyed the laws that it claims to.
+//!
+//! Energy is held against the work of all forces, the linear momentum against their impulses; penetration, friction
+//! cone, slip and the contact solver's residual are watched in every step.
+
+use legwork_rbd::{Dynamics, Model};
+use nalgebra::{DMatrix, Vector3};
+
+use super::contact_solver::Report;
+use crate::contact::GroundPlane;
+
+/// Figures of a run so far, each the worst or the sum over all steps.
+#[derive(Clone, Debug)]
+pub struct Audit {
+    /// Largest difference between the change of energy and the work done on the robot [J].
+    pub energy_error_j: f64,
+    /// Sum of the absolute work of joints, pushes and contacts [J]: what the energy error is to be held against.
+    pub work_j: f64,
+    /// Energy that contacts took away [J]: impacts and slip.
+    pub contact_loss_j: f64,
+    /// Largest difference between the change of linear momentum and the impulses, as velocity of the CoM [m/s].
+    pub momentum_error_mps: f64,
+    /// Deepest penetration of a contact point [m].
+    pub penetration_m: f64,
+    /// Largest excess of a tangential force over friction times normal force [N].
+    pub friction_excess_n: f64,
+    /// Strongest pull of the ground on a contact [N]: zero if the ground only pushes.
+    pub pull_n: f64,
+    /// Way that loaded contact points slipped [m], all together.
+    pub slip_m: f64,
+    /// Most sweeps of the contact solver in a step.
+    pub contact_sweeps: u32,
+    /// Largest residual of the contact solver, as force [N].
+    pub contact_residual_n: f64,
+    mass: f64,
+    energy_at_start: f64,
+    work: f64,
+    com_velocity_at_start: Vector3<f64>,
+    impulse: Vector3<f64>,
+}
+
+/// What one step did.
+#[derive(Debug)]
+pub struct Step<'a> {
+    /// The robot.
+    pub model: &'a Model,
+    /// The ground.
+    pub ground: &'a GroundPlane,
+    /// Generalized force of the joints' damping, which opposes the motion.
+    pub damping: &'a [f64],
+    /// Time step [s].
+    pub period: f64,
+    /// Velocities before and after.
+    pub v: [&'a [f64]; 2],
+    /// Torques of the actuated joints [Nm].
+    pub torque: &'a [f64],
+    /// Sum of the pushes [N].
+    pub push: Vector3<f64>,
+    /// Generalized force of the pushes.
+    pub push_force: &'a [f64],
+    /// Contact Jacobian in contact coordinates.
+    pub rows: &'a DMatrix<f64>,
+    /// Contact impulses in contact coordinates [Ns].
+    pub impulse: &'a [f64],
+    /// What the contact solver said.
+    pub report: Report,
+}
+
+impl Audit {
+    /// Empty books.
+    pub(super) fn new() -> Self {
+        Self {
+            energy_error_j: 0.0,
+            work_j: 0.0,
+            contact_loss_j: 0.0,
+            momentum_error_mps: 0.0,
+            penetration_m: 0.0,
+            friction_excess_n: 0.0,
+            pull_n: 0.0,
+            slip_m: 0.0,
+            contact_sweeps: 0,
+            contact_residual_n: 0.0,
+            mass: 0.0,
+            energy_at_start: 0.0,
+            work: 0.0,
+            com_velocity_at_start: Vector3::zeros(),
+            impulse: Vector3::zeros(),
+        }
+    }
+
+    /// Opens the books in the state of `dynamics`.
+    pub(super) fn begin(&mut self, dynamics: &Dynamics, mass: f64) {
+        self.mass = mass;
+        self.energy_at_start = dynamics.kinetic_energy + dynamics.potential_energy;
+        self.com_velocity_at_start = dynamics.com_velocity;
+    }
+
+    /// Enters the work and the impulses of a step.
+    pub(super) fn account(&mut self, step: &Step<'_>) {
+        let (dt, [before, after]) = (step.period, step.v);
+        let mean = |j: usize| 0.5 * (before[j] + after[j]);
+        // The kinetic energy at fixed configuration changes by exactly force · (v + v⁺)/2.
+        for (dof, torque) in step.model.actuated().zip(step.torque) {
+            self.enter(dt * torque * mean(dof));
+        }
+        self.enter((0..before.len()).map(|j| dt * step.push_force[j] * mean(j)).sum());
+        self.enter((0..before.len()).map(|j| -dt * step.damping[j] * mean(j)).sum());
+
+        let d = step.ground.dimension();
+        let mut contact_work = 0.0;
+        for (contact, impulse) in step.impulse.chunks_exact(d).enumerate() {
+            let row_times =
+                |k: usize, v: &[f64]| -> f64 { (0..v.len()).map(|j| step.rows[(contact * d + k, j)] * v[j]).sum() };
+            contact_work +=
+                (0..d).map(|k| impulse[k] * 0.5 * (row_times(k, before) + row_times(k, after))).sum::<f64>();
+            let (normal, tangential) = impulse.split_last().expect("a contact has a normal");
+            let tangent = libm::sqrt(tangential.iter().map(|value| value * value).sum());
+            self.friction_excess_n = self.friction_excess_n.max((tangent - step.ground.friction * normal) / dt);
+            self.pull_n = self.pull_n.max(-normal / dt);
+            if *normal > 0.0 {
+                self.slip_m += dt * libm::sqrt((0..d - 1).map(|k| row_times(k, after).powi(2)).sum());
+            }
+            for (k, direction) in step.ground.directions().enumerate() {
+                self.impulse += *direction * impulse[k];
+            }
+        }
+        self.enter(contact_work);
+        self.contact_loss_j -= contact_work;
+        self.impulse += step.push * dt - Vector3::z() * (self.mass * step.model.gravity * dt);
+        self.contact_sweeps = self.contact_sweeps.max(step.report.sweeps);
+        self.contact_residual_n = self.contact_residual_n.max(step.report.residual / dt);
+    }
+
+    fn enter(&mut self, work: f64) {
+        self.work += work;
+        self.work_j += work.abs();
+    }
+
+    /// Holds the state after the step against the books.
+    pub(super) fn close(&mut self, dynamics: &Dynamics, ground: &GroundPlane) {
+        let energy = dynamics.kinetic_energy + dynamics.potential_energy;
+        self.energy_error_j = self.energy_error_j.max((energy - self.energy_at_start - self.work).abs());
+        let momentum = self.mass * (dynamics.com_velocity - self.com_velocity_at_start);
+        self.momentum_error_mps = self.momentum_error_mps.max((momentum - self.impulse).norm() / self.mass);
+        for position in &dynamics.contact_positions {
+            self.penetration_m = self.penetration_m.max(-ground.gap(position));
+        }
+    }
+
+    /// Bounds that a sound run keeps, and which of them this one violated, in words.
+    ///
+    /// They hold for rigid contact at time steps of up to 1 ms (see docs/simulator.md); a coarser step or a soft ground
+    /// shows here.
+    pub fn violations(&self) -> Vec<String> {
+        let mut found = Vec::new();
+        let mut check = |what: &str, value: f64, bound: f64, unit: &str| {
+            if value.is_nan() || value > bound {
+                found.push(format!("{what}: {value:.3e} {unit}, more than {bound:.3e} {unit}"));
+            }
+        };
+        check("energy differs from the work done", self.energy_error_j, 1.0 + 0.02 * self.work_j, "J");
+        check("momentum differs from the impulses", self.momentum_error_mps, 0.1, "m/s");
+        check("penetration of the ground", self.penetration_m, 1e-3, "m");
+        check("tangential force over the friction cone", self.friction_excess_n, 1e-3, "N");
+        check("pull of the ground", self.pull_n, 1e-6, "N");
+        check("residual of the contact solver", self.contact_residual_n, 1e-3, "N");
+        found
+    }
+}

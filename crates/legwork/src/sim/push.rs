@@ -1,0 +1,87 @@
+//! Forces that act on the robot for a time.
+
+use legwork_rbd::{Dynamics, Model};
+use nalgebra::{DMatrix, Vector3};
+
+use crate::error::Error;
+use crate::scenario::Push;
+
+/// Where a push acts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Place {
+    /// On the centre of mass of the whole robot.
+    CentreOfMass,
+    /// On a point of a body, in its frame [m].
+    Body { body: usize, point: Vector3<f64> },
+}
+
+/// The pushes of a scenario, resolved for a model.
+#[derive(Clone, Debug)]
+pub struct Pushes {
+    pushes: Vec<(Push, Place, Vector3<f64>)>,
+    jacobian: DMatrix<f64>,
+}
+
+impl Pushes {
+    /// Finds the bodies that the pushes name.
+    ///
+    /// # Errors
+    /// A body that the model does not have.
+    pub fn new(pushes: &[Push], model: &Model) -> Result<Self, Error> {
+        let resolve = |(index, push): (usize, &Push)| {
+            let place = if push.at == "com" {
+                Place::CentreOfMass
+            } else {
+                let body = model.body_index(&push.at).ok_or_else(|| {
+                    let names: Vec<&str> =
+                        model.bodies.iter().filter(|body| body.mass > 0.0).map(|body| body.name.as_str()).collect();
+                    Error::invalid(
+                        format!("pushes.{index}.at"),
+                        format!("found '{}'; valid are com, {}", push.at, names.join(", ")),
+                    )
+                })?;
+                Place::Body { body, point: model.bodies[body].com + Vector3::from(push.point_m) }
+            };
+            let (sin, cos) = libm::sincos(push.direction_deg.to_radians());
+            Ok((push.clone(), place, push.force_n * Vector3::new(cos, 0.0, sin)))
+        };
+        let pushes = pushes.iter().enumerate().map(resolve).collect::<Result<_, Error>>()?;
+        Ok(Self { pushes, jacobian: DMatrix::zeros(model.linear_axes().len(), model.nv()) })
+    }
+
+    /// Adds the generalized force of all pushes that act at `time` [s] to `force`, and returns their sum [N].
+    ///
+    /// `period` is the time step: a push acts in the steps whose middle lies within it.
+    pub fn add(
+        &mut self,
+        model: &Model,
+        dynamics: &Dynamics,
+        time: f64,
+        period: f64,
+        force: &mut [f64],
+    ) -> Vector3<f64> {
+        let middle = time + 0.5 * period;
+        let mut total = Vector3::zeros();
+        for (push, place, vector) in &self.pushes {
+            if middle < push.start_s || middle >= push.start_s + push.duration_s {
+                continue;
+            }
+            total += vector;
+            let jacobian = match place {
+                Place::CentreOfMass => &dynamics.com_jacobian,
+                Place::Body { body, point } => {
+                    let world = dynamics.world_from_body[*body].point(point);
+                    dynamics.point_jacobian(model, *body, &world, &mut self.jacobian);
+                    &self.jacobian
+                }
+            };
+            for (row, axis) in model.linear_axes().iter().enumerate() {
+                let component = axis.dot(vector);
+                for (j, value) in force.iter_mut().enumerate() {
+                    *value += jacobian[(row, j)] * component;
+                }
+            }
+        }
+        total
+    }
+}

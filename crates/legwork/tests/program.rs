@@ -1,0 +1,320 @@
+//! The quadratic program: Appendix B to the letter, and both forms with the same optimum, also by another solver.
+
+mod common;
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+use legwork::control::{Controller, Estimate};
+use legwork::log::Field;
+use legwork::qp::{self, Inputs, Layout, Relaxation, Solution};
+use legwork::scenario::{QpForm, Scenario, Tracking};
+use legwork::{library, scenario_file};
+use legwork_qp::{Problem, Solver, Status};
+use legwork_rbd::Model;
+
+/// A controller's inputs in a state of a run, so that either form can be built from them.
+struct State {
+    scenario: Scenario,
+    model: Model,
+    controller: Controller,
+    estimate: Estimate,
+    stance: Vec<bool>,
+}
+
+impl State {
+    fn layout(&self, form: QpForm) -> Layout {
+        Layout::new(form, &self.model, self.controller.ground())
+    }
+
+    fn build(&self, layout: &Layout, change: impl FnOnce(&mut Scenario)) -> Problem {
+        let mut scenario = self.scenario.clone();
+        change(&mut scenario);
+        let mut problem = Problem::new(layout.variables(), layout.rows());
+        qp::build(layout, &self.inputs(&scenario), &mut problem);
+        problem
+    }
+
+    fn inputs<'a>(&'a self, scenario: &'a Scenario) -> Inputs<'a> {
+        Inputs {
+            model: &self.model,
+            dynamics: self.controller.dynamics(),
+            q: &self.estimate.q,
+            v: &self.estimate.v,
+            goal: self.controller.planner().goal(),
+            stance: &self.stance,
+            ground: self.controller.ground(),
+            weights: &scenario.controller.weights,
+            limits: &scenario.controller.limits,
+            tracking: &scenario.controller.tracking,
+            relaxed: Relaxation::default(),
+        }
+    }
+
+    fn solve(&self, form: QpForm, change: impl Fn(&mut Scenario)) -> (Status, Solution, Problem, Solver) {
+        let layout = self.layout(form);
+        let problem = self.build(&layout, &change);
+        let mut solver = Solver::new(layout.variables(), layout.rows());
+        let status = solver.solve(&problem);
+        let mut solution = Solution::new(&layout);
+        let mut scenario = self.scenario.clone();
+        change(&mut scenario);
+        qp::read_solution(&layout, &self.inputs(&scenario), solver.x(), &mut solution);
+        (status, solution, problem, solver)
+    }
+}
+
+/// States along the walk or the push: double support, swing, touchdown, saturation, the push itself.
+fn states(name: &str, every: usize) -> Vec<State> {
+    let loaded = scenario_file::load(name, &["duration_s=2".to_owned()]).expect("a built-in scenario");
+    let model = library::load_model(&loaded.scenario.model, None).expect("a built-in model");
+    let run = common::run(name, &["duration_s=2"]);
+    let estimate = |i: usize| Estimate {
+        time: run.log.time(i),
+        q: run.log.get(i, Field::Q).to_vec(),
+        v: run.log.get(i, Field::V).to_vec(),
+        touching: run.log.get(i, Field::Touching).iter().map(|&flag| flag > 0.5).collect(),
+    };
+    let mut controller = Controller::new(&loaded.scenario, &model, &[], &estimate(0)).expect("the model fits");
+    let mut found = Vec::new();
+    for i in 0..run.log.len() {
+        let estimate = estimate(i);
+        controller.tick(&estimate);
+        if i % every == 0 {
+            let swinging = controller.steps().swing_foot();
+            let stance = (0..2).map(|foot| estimate.touching[foot] && Some(foot) != swinging).collect();
+            found.push(State {
+                scenario: loaded.scenario.clone(),
+                model: model.clone(),
+                controller: controller.clone(),
+                estimate,
+                stance,
+            });
+        }
+    }
+    found
+}
+
+/// Thesis (B.1)-(B.10), written out a second time from the dynamics, for the planar humanoid.
+#[test]
+fn the_slack_form_is_appendix_b() {
+    for state in states("walk", 97) {
+        let layout = state.layout(QpForm::Slack);
+        let problem = state.build(&layout, |_| {});
+        let dynamics = state.controller.dynamics();
+        let goal = state.controller.planner().goal();
+
+        // (B.1), (B.2): 7 + 4 + 4 + 3 + 4 + 1 = 23 variables.
+        assert_eq!(layout.variables(), 23);
+        assert_eq!(
+            [&layout.qdd, &layout.rho, &layout.tau, &layout.s_m, &layout.s_f, &layout.s_a].map(Clone::clone),
+            [0..7, 7..11, 11..15, 15..18, 18..22, 22..23]
+        );
+        // (B.9): 7 + 3 + 4 + 1 + 4 = 19 equality rows; (B.7): 6 inequality rows.
+        assert_eq!(layout.rows(), 25);
+        let mut a_eq = nalgebra::DMatrix::<f64>::zeros(19, 23);
+        let mut b_eq = nalgebra::DVector::<f64>::zeros(19);
+        a_eq.view_mut((0, 0), (7, 7)).copy_from(&dynamics.mass_matrix);
+        a_eq.view_mut((0, 7), (7, 4)).copy_from(&-dynamics.contact_jacobian.transpose());
+        a_eq.view_mut((3, 11), (4, 4)).copy_from(&-nalgebra::Matrix4::identity());
+        a_eq.view_mut((7, 0), (3, 7)).copy_from(&dynamics.momentum_matrix);
+        a_eq.view_mut((7, 15), (3, 3)).fill_diagonal(1.0);
+        a_eq.view_mut((10, 0), (4, 7)).copy_from(&dynamics.contact_jacobian);
+        a_eq.view_mut((10, 18), (4, 4)).fill_diagonal(1.0);
+        a_eq.view_mut((14, 0), (1, 7))
+            .copy_from(&nalgebra::RowDVector::from_row_slice(&[0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0]));
+        a_eq[(14, 22)] = 1.0;
+        for foot in 0..2 {
+            for k in 0..2 {
+                a_eq[(15 + 2 * foot + k, 7 + 2 * foot + k)] = if state.stance[foot] { 0.0 } else { 1.0 };
+            }
+        }
+        b_eq.rows_mut(0, 7).copy_from(&-(&dynamics.bias + &dynamics.damping));
+        b_eq.rows_mut(7, 3).copy_from(&(&goal.momentum_rate - &dynamics.momentum_bias));
+        b_eq.rows_mut(10, 4).copy_from(&(&goal.foot_acceleration - &dynamics.contact_bias));
+        b_eq[14] = goal.torso_acceleration;
+        for row in 0..19 {
+            for column in 0..23 {
+                let (found, expected) = (problem.row(row)[column], a_eq[(row, column)]);
+                assert!((found - expected).abs() < 1e-12, "A_eq({row}, {column}) = {found}, not {expected}");
+            }
+            assert!((problem.row_lower()[row] - b_eq[row]).abs() < 1e-9, "b_eq({row})");
+            assert_eq!(problem.row_lower()[row].to_bits(), problem.row_upper()[row].to_bits());
+        }
+        // (4.31) on level ground: P_n = (0, 1), P_t = (1, 0), a foot after the other.
+        let mu = state.scenario.ground.friction;
+        let cone = [[0.0, -1.0], [1.0, -mu], [-1.0, -mu]];
+        for row in 0..6 {
+            for column in 0..23_usize {
+                let foot = row / 3;
+                let expected = column.checked_sub(7 + 2 * foot).filter(|k| *k < 2).map_or(0.0, |k| cone[row % 3][k]);
+                assert!((problem.row(19 + row)[column] - expected).abs() < 1e-15, "A_ineq({row}, {column})");
+            }
+            assert_eq!(problem.row_upper()[19 + row], 0.0);
+            assert_eq!(problem.row_lower()[19 + row], f64::NEG_INFINITY);
+        }
+        // (B.5), with the factor 2 of (B.3).
+        let weights = &state.scenario.controller.weights;
+        let blocks = [
+            (0..7, weights.joint_acceleration),
+            (7..11, weights.grf),
+            (11..15, weights.torque),
+            (15..18, weights.momentum),
+            (18..22, weights.feet),
+            (22..23, weights.torso),
+        ];
+        for (range, weight) in blocks {
+            for i in range {
+                for j in 0..23 {
+                    let expected = if i == j { 2.0 * weight } else { 0.0 };
+                    assert_eq!(problem.hessian()[23 * i + j], expected, "H({i}, {j})");
+                }
+            }
+        }
+        assert!(problem.gradient().iter().all(|&value| value == 0.0));
+    }
+}
+
+fn close(what: &str, a: &[f64], b: &[f64], scale: f64, tolerance: f64) {
+    for (i, (x, y)) in a.iter().zip(b).enumerate() {
+        assert!((x - y).abs() <= tolerance * scale, "{what}[{i}]: {x} against {y}");
+    }
+}
+
+#[test]
+fn both_forms_have_the_same_optimum() {
+    let mut compared = 0;
+    for name in ["walk", "push"] {
+        for state in states(name, 7) {
+            for torque_weight in [0.0, 1e-3] {
+                let set = |scenario: &mut Scenario| scenario.controller.weights.torque = torque_weight;
+                let (status_direct, direct, problem, solver) = state.solve(QpForm::Direct, set);
+                let (status_slack, slack, ..) = state.solve(QpForm::Slack, set);
+                assert_eq!((status_direct, status_slack), (Status::Optimal, Status::Optimal));
+                let time = state.estimate.time;
+                close(&format!("{name} {time} q̈"), &direct.qdd, &slack.qdd, 1000.0, 1e-8);
+                close(&format!("{name} {time} ρ"), &direct.rho, &slack.rho, 1000.0, 1e-7);
+                close(&format!("{name} {time} τ"), &direct.tau, &slack.tau, 220.0, 1e-7);
+                close(&format!("{name} {time} s"), &direct.slack, &slack.slack, 1000.0, 1e-7);
+                let kkt = problem.kkt(solver.x(), solver.row_multipliers(), solver.bound_multipliers());
+                assert!(kkt.worst_relative() < 1e-9, "{name} {time}: {kkt:?}");
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 1000, "{compared} programs");
+}
+
+/// Clarabel's optimum with tight tolerances.
+fn clarabel(problem: &Problem) -> (SolverStatus, Vec<f64>, f64) {
+    let (n, m) = (problem.n(), problem.m());
+    let dense = |rows: &[Vec<f64>]| CscMatrix::from(rows);
+    // In units that give the Hessian a diagonal of ones: an interior point is too inaccurate in the forces otherwise.
+    let unit: Vec<f64> = (0..n).map(|i| 1.0 / problem.hessian()[i * n + i].sqrt()).collect();
+    let mut p = vec![vec![0.0; n]; n];
+    for i in 0..n {
+        for j in i..n {
+            p[i][j] = problem.hessian()[i * n + j] * unit[i] * unit[j];
+        }
+    }
+    let gradient: Vec<f64> = (0..n).map(|i| problem.gradient()[i] * unit[i]).collect();
+    let (mut rows, mut bounds, mut cones) = (Vec::new(), Vec::new(), Vec::new());
+    let single = |i: usize| (0..n).map(|j| if i == j { unit[i] } else { 0.0 }).collect::<Vec<_>>();
+    let scaled = |row: &[f64]| row.iter().zip(&unit).map(|(value, unit)| value * unit).collect::<Vec<_>>();
+    let all = (0..m)
+        .map(|i| (scaled(problem.row(i)), problem.row_lower()[i], problem.row_upper()[i]))
+        .chain((0..n).map(|i| (single(i), problem.lower()[i], problem.upper()[i])));
+    let all: Vec<_> = all.collect();
+    for (row, _, upper) in all.iter().filter(|(_, lower, upper)| lower == upper) {
+        rows.push(row.clone());
+        bounds.push(*upper);
+    }
+    cones.push(SupportedConeT::ZeroConeT(rows.len()));
+    let equalities = rows.len();
+    for (row, lower, upper) in all.iter().filter(|(_, lower, upper)| lower != upper) {
+        if upper.is_finite() {
+            rows.push(row.clone());
+            bounds.push(*upper);
+        }
+        if lower.is_finite() {
+            rows.push(row.iter().map(|value| -value).collect());
+            bounds.push(-lower);
+        }
+    }
+    cones.push(SupportedConeT::NonnegativeConeT(rows.len() - equalities));
+    let settings = DefaultSettings {
+        verbose: false,
+        tol_gap_abs: 1e-12,
+        tol_gap_rel: 1e-12,
+        tol_feas: 1e-12,
+        max_iter: 500,
+        ..DefaultSettings::default()
+    };
+    let mut solver =
+        DefaultSolver::new(&dense(&p), &gradient, &dense(&rows), &bounds, &cones, settings).expect("well formed");
+    solver.solve();
+    let x: Vec<f64> = solver.solution.x.iter().zip(&unit).map(|(z, unit)| z * unit).collect();
+    let objective = problem.objective(&x);
+    (solver.solution.status, x, objective)
+}
+
+#[test]
+fn another_solver_finds_no_better_optimum() {
+    let mut solved = 0;
+    for name in ["walk", "push"] {
+        for state in states(name, 61) {
+            let (status, solution, problem, solver) = state.solve(QpForm::Direct, |_| {});
+            assert_eq!(status, Status::Optimal);
+            let (their_status, x, objective) = clarabel(&problem);
+            if !matches!(their_status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
+                continue;
+            }
+            solved += 1;
+            let ours = problem.objective(solver.x());
+            let scale = 1.0 + ours.abs();
+            assert!(ours <= objective + 1e-7 * scale, "{name} {}: {ours} against {objective}", state.estimate.time);
+            close("q̈", &solution.qdd, &x[..7], 1000.0, 1e-5);
+            // How the feet share the force has a weight of 1e-4 only: an interior point leaves tens of newtons there, which
+            // change the objective in its ninth digit. The sum is what the tracking determines.
+            let sum = |rho: &[f64]| [rho[0] + rho[2], rho[1] + rho[3]];
+            close("sum of ρ", &sum(&solution.rho), &sum(&x[7..11]), 1000.0, 1e-4);
+        }
+    }
+    assert!(solved > 40, "Clarabel solved {solved} programs only");
+}
+
+#[test]
+fn a_hard_task_is_met_or_named_infeasible() {
+    let (mut met, mut infeasible) = (0, 0);
+    for state in states("walk", 11) {
+        for form in [QpForm::Direct, QpForm::Slack] {
+            let (status, solution, ..) =
+                state.solve(form, |scenario| scenario.controller.tracking.feet = Tracking::Equality);
+            if status == Status::Optimal {
+                met += 1;
+                close("foot slack", &solution.slack[3..7], &[0.0; 4], 1.0, 1e-6);
+            } else {
+                infeasible += 1;
+                assert_eq!(status, Status::Infeasible);
+            }
+        }
+    }
+    // Thesis 6.3.5: a hard foot task cannot be met at the start of a step.
+    assert!(met > 100 && infeasible > 0, "{met} met, {infeasible} infeasible");
+}
+
+#[test]
+fn joint_limits_yield_where_they_contradict_the_torque_limits() {
+    let mut state = states("stand", 4000).remove(0);
+    // A knee that turns fast into its limit, with hardly any torque to stop it.
+    let knee = state.model.dofs.iter().position(|dof| dof.name == "right_knee").expect("the model has knees");
+    state.estimate.v[knee] = -50.0;
+    state.scenario.controller.limits.torque_nm = 5.0;
+    let mut controller = Controller::new(&state.scenario, &state.model, &[], &state.estimate).expect("the model fits");
+    let tick = controller.tick(&state.estimate);
+    assert_eq!(tick.status, Status::Infeasible);
+    assert_eq!(tick.fallback, legwork::control::Fallback::JointLimitsYield);
+    assert!(tick.braking[0] > 0.0, "the knee should brake");
+    assert!(tick.solution.qdd[knee] < tick.braking[0], "the braking is missed, and visibly so");
+    assert!(tick.solution.tau.iter().all(|torque| torque.abs() <= 5.0));
+    assert!(tick.solves == 2 && tick.iterations > 0);
+}

@@ -1,0 +1,79 @@
+//! Scenarios thrown at random: always an outcome, never a panic, a hang or a NaN in the log.
+
+use legwork::episode::{self, Outcome};
+use legwork::settings::{SETTINGS, Valid};
+use legwork::{library, scenario_file};
+use proptest::prelude::*;
+
+/// `path=value` for settings drawn from their valid ranges; `share` in 0..1 places the value.
+fn assignment(index: usize, share: f64) -> Option<String> {
+    let setting = &SETTINGS[index % SETTINGS.len()];
+    if ["duration_s", "controller.period_s", "simulation.period_s", "model"].contains(&setting.path) {
+        return None;
+    }
+    let path = setting.path.replace(".N.", ".0.");
+    match setting.valid {
+        Valid::Number { min, max } => {
+            // Half of the draws near the default, half anywhere in the range.
+            let default = setting.default().and_then(|value| value.as_float()).unwrap_or(0.0);
+            let value =
+                if share < 0.5 { default * (0.2 + 3.2 * share) } else { min + (max - min) * (2.0 * share - 1.0) };
+            Some(format!("{path}={:e}", value.clamp(min, max)))
+        }
+        Valid::OneOf(choices) => Some(format!("{path}={}", choices[(share * choices.len() as f64) as usize])),
+        Valid::Bool => Some(format!("{path}={}", share < 0.5)),
+        _ => None,
+    }
+}
+
+fn check(name: &str, sets: &[String]) -> Result<(), TestCaseError> {
+    let Ok(loaded) = scenario_file::load(name, sets) else { return Ok(()) };
+    let model = library::load_model(&loaded.scenario.model, None).expect("a built-in model");
+    let run = match episode::run(&loaded.scenario, &model, &[], |_| false) {
+        Ok(run) => run,
+        Err(error) => {
+            prop_assert!(!error.to_string().is_empty());
+            return Ok(());
+        }
+    };
+    for (i, record) in run.log.records().enumerate() {
+        for (column, value) in run.log.columns().iter().zip(record) {
+            prop_assert!(value.is_finite(), "{} is {value} in record {i} with {sets:?}", column.name);
+        }
+    }
+    let limit = loaded.scenario.controller.limits.torque_nm;
+    let peak = run.metrics.torque_nm.peak;
+    prop_assert!(peak <= limit, "a torque of {peak} Nm over the limit of {limit} Nm");
+    match run.outcome {
+        Outcome::Fell(_) => prop_assert!(run.reason.is_some_and(|reason| reason.starts_with("fell at "))),
+        Outcome::Completed => prop_assert!(run.reason.is_none()),
+        Outcome::Stopped => prop_assert!(false, "nobody stopped it"),
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 150, max_shrink_iters: 40, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_valid_scenario_has_an_outcome(
+        name in prop::sample::select(vec!["walk", "push", "push-replan", "waypoints"]),
+        draws in prop::collection::vec((0..1000_usize, 0.0..1.0f64), 0..8),
+    ) {
+        let mut sets: Vec<String> = draws.iter().filter_map(|&(index, share)| assignment(index, share)).collect();
+        sets.push("duration_s=0.8".into());
+        check(name, &sets)?;
+    }
+}
+
+#[test]
+fn an_absurd_scenario_falls_and_says_why() {
+    let sets: Vec<String> =
+        ["ground.friction=0.02", "pushes.0.force_n=5000", "controller.limits.torque_nm=1"].map(str::to_owned).to_vec();
+    let loaded = scenario_file::load("push", &sets).expect("absurd, yet valid");
+    let model = library::load_model(&loaded.scenario.model, None).expect("a built-in model");
+    let run = episode::run(&loaded.scenario, &model, &[], |_| false).expect("it can start");
+    let reason = run.reason.expect("it falls");
+    assert!(reason.starts_with("fell at "), "{reason}");
+    assert!(reason.contains("torque") || reason.contains("friction"), "{reason}");
+}

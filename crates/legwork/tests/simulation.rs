@@ -1,0 +1,223 @@
+//! The simulator against closed forms, against itself at finer steps, and against its own books.
+
+mod common;
+
+use legwork::scenario::{ContactModel, Integrator, Push, Scenario};
+use legwork::sim::Simulator;
+use legwork::{library, scenario_file};
+use legwork_rbd::Model;
+
+/// A box of 10 kg with two contact points under it, 0.2 m apart.
+const BOX: &str = r#"
+name = "box"
+base = "planar"
+gravity_mps2 = 9.81
+torso = "box"
+contacts = [
+    { name = "rear", foot = "rear", body = "box", position_m = [-0.1, 0.0, -0.05] },
+    { name = "front", foot = "front", body = "box", position_m = [0.1, 0.0, -0.05] },
+]
+[[bodies]]
+name = "box"
+mass_kg = 10.0
+com_m = [0.0, 0.0, 0.0]
+inertia_kgm2 = 0.1
+"#;
+
+fn a_box() -> Model {
+    Model::from_toml(BOX, "box.toml").expect("a valid model")
+}
+
+fn humanoid() -> Model {
+    library::load_model("planar_humanoid", None).expect("a built-in model")
+}
+
+fn simulator(scenario: &Scenario, model: &Model, q: &[f64]) -> Simulator {
+    Simulator::new(scenario, model, q).expect("valid pushes")
+}
+
+/// Runs `seconds` with constant torques.
+fn advance(simulator: &mut Simulator, torque: &[f64], period: f64, seconds: f64) {
+    for _ in 0..(seconds / period).round() as usize {
+        assert!(simulator.step(torque), "numbers out of bounds");
+    }
+}
+
+/// A box at rest on a slope [deg], its contact points on the ground.
+fn box_on_slope(friction: f64, slope_deg: f64) -> Simulator {
+    let mut scenario = Scenario::default();
+    scenario.ground.friction = friction;
+    scenario.ground.slope_deg = slope_deg;
+    let slope = slope_deg.to_radians();
+    simulator(&scenario, &a_box(), &[-0.05 * slope.sin(), 0.05 * slope.cos(), slope])
+}
+
+#[test]
+fn a_box_sticks_on_a_slope_that_friction_holds() {
+    let mut simulator = box_on_slope(0.5, 20.0); // tan 20° = 0.36
+    advance(&mut simulator, &[], 1e-3, 1.0);
+    assert!(simulator.v().iter().all(|v| v.abs() < 1e-9), "{:?}", simulator.v());
+    assert!(simulator.audit().slip_m < 1e-9);
+}
+
+#[test]
+fn a_box_slides_down_a_slope_as_coulomb_says() {
+    let (friction, slope_deg) = (0.2, 20.0_f64);
+    let mut simulator = box_on_slope(friction, slope_deg);
+    advance(&mut simulator, &[], 1e-3, 1.0);
+    let slope = slope_deg.to_radians();
+    let speed = 9.81 * (slope.sin() - friction * slope.cos()) * 1.0;
+    let along = -simulator.v()[0] * slope.cos() - simulator.v()[1] * slope.sin();
+    assert!((along - speed).abs() < 1e-9, "{along} m/s, expected {speed}");
+    let way = 0.5 * speed * 1.0;
+    assert!((simulator.audit().slip_m - 2.0 * way).abs() < 2.0 * 2e-3, "both points slip {way} m");
+}
+
+#[test]
+fn a_dropped_box_lands_without_a_bounce_and_the_ground_takes_its_energy() {
+    let mut simulator = simulator(&Scenario::default(), &a_box(), &[0.0, 0.55, 0.0]);
+    let mut highest_after: f64 = 0.0;
+    let mut landed = false;
+    for _ in 0..1000 {
+        assert!(simulator.step(&[]));
+        landed |= simulator.touching(0);
+        if landed {
+            highest_after = highest_after.max(simulator.q()[1]);
+        }
+    }
+    assert!(landed && highest_after < 0.0515, "rose to {highest_after} m again");
+    let energy = 10.0 * 9.81 * 0.5;
+    assert!((simulator.audit().contact_loss_j - energy).abs() < 0.01 * energy);
+    assert_eq!(simulator.audit().violations(), Vec::<String>::new());
+}
+
+#[test]
+fn a_spring_damper_ground_bounces_which_is_the_argument_against_it() {
+    let mut scenario = Scenario::default();
+    scenario.simulation.contact.model = ContactModel::SpringDamper;
+    scenario.simulation.contact.damping_nspm = 100.0;
+    let mut simulator = simulator(&scenario, &a_box(), &[0.0, 0.55, 0.0]);
+    let (mut landed, mut left_again, mut deepest) = (false, false, 0.0_f64);
+    for _ in 0..1000 {
+        assert!(simulator.step(&[]));
+        let gap = simulator.q()[1] - 0.05;
+        landed |= gap < 0.0;
+        left_again |= landed && gap > 0.01;
+        deepest = deepest.max(-gap);
+    }
+    assert!(landed && left_again && deepest > 1e-3);
+    assert!(!simulator.audit().violations().is_empty(), "the penetration must be shown");
+}
+
+/// The humanoid high above the ground, driven by constant torques.
+fn in_flight(integrator: Integrator, period: f64) -> Simulator {
+    let mut scenario = Scenario::default();
+    scenario.simulation.integrator = integrator;
+    scenario.simulation.period_s = period;
+    let mut simulator = simulator(&scenario, &humanoid(), &[0.0, 20.0, -0.8, 1.0, -0.3, -2.2, -0.9]);
+    advance(&mut simulator, &[8.0, -6.0, 5.0, -3.0], period, 0.4);
+    simulator
+}
+
+#[test]
+fn steps_converge_with_the_order_of_their_rule() {
+    for (integrator, order) in [(Integrator::SemiImplicitEuler, 1.0), (Integrator::Midpoint, 2.0)] {
+        let states: Vec<Vec<f64>> =
+            [4e-3, 2e-3, 1e-3].iter().map(|&period| in_flight(integrator, period).q().to_vec()).collect();
+        let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt();
+        let ratio = difference(&states[0], &states[1]) / difference(&states[1], &states[2]);
+        let measured = ratio.log2();
+        assert!((measured - order).abs() < 0.2, "{integrator:?}: order {measured}, expected {order}");
+    }
+}
+
+#[test]
+fn flight_keeps_momentum_and_energy() {
+    let simulator = in_flight(Integrator::Midpoint, 1e-3);
+    let audit = simulator.audit();
+    assert!(audit.momentum_error_mps < 1e-4, "{}", audit.momentum_error_mps);
+    assert!(audit.energy_error_j < 1e-4 * audit.work_j, "{} of {}", audit.energy_error_j, audit.work_j);
+    // No force but gravity from outside: the angular momentum about the CoM stays zero.
+    let momentum = &simulator.dynamics().momentum_matrix * nalgebra::DVector::from_column_slice(simulator.v());
+    assert!(momentum[0].abs() < 1e-3, "angular momentum {}", momentum[0]);
+    let fall = simulator.dynamics().com_velocity.z + 9.81 * 0.4;
+    assert!(fall.abs() < 1e-4 && simulator.dynamics().com_velocity.x.abs() < 1e-4);
+}
+
+#[test]
+fn a_push_changes_the_momentum_by_its_impulse() {
+    let model = humanoid();
+    let q = [0.0, 20.0, -0.8, 1.0, -0.3, -2.2, -0.9];
+    for (at, point_m) in [("com", [0.0; 3]), ("torso", [0.0, 0.0, 0.3])] {
+        let mut scenario = Scenario::default();
+        scenario.pushes.push(Push {
+            force_n: 100.0,
+            direction_deg: 60.0,
+            start_s: 0.05,
+            duration_s: 0.1,
+            at: at.into(),
+            point_m,
+        });
+        let mut simulator = simulator(&scenario, &model, &q);
+        advance(&mut simulator, &[0.0; 4], 1e-3, 0.2);
+        let velocity = simulator.dynamics().com_velocity;
+        let impulse = 100.0 * 0.1 / model.total_mass();
+        assert!((velocity.x - impulse * 0.5).abs() < 1e-4, "{at}: {}", velocity.x);
+        assert!((velocity.z + 9.81 * 0.2 - impulse * 60.0_f64.to_radians().sin()).abs() < 1e-4, "{at}: {}", velocity.z);
+        let momentum = &simulator.dynamics().momentum_matrix * nalgebra::DVector::from_column_slice(simulator.v());
+        assert_eq!(momentum[0].abs() < 1e-3, at == "com", "{at}: angular momentum {}", momentum[0]);
+    }
+}
+
+#[test]
+fn every_built_in_scenario_on_rigid_ground_keeps_the_books() {
+    for name in library::scenario_names() {
+        let scenario = scenario_file::load(name, &[]).expect("a built-in scenario").scenario;
+        let run = common::run(name, &[]);
+        if scenario.simulation.contact.model == ContactModel::Rigid {
+            assert_eq!(run.audit.violations(), Vec::<String>::new(), "{name}");
+        }
+    }
+}
+
+#[test]
+fn control_and_physics_rates_are_separate() {
+    for (control, physics) in [("0.001", "0.00025"), ("0.002", "0.001"), ("0.002", "0.002")] {
+        let run = common::run(
+            "walk",
+            &["duration_s=4", &format!("controller.period_s={control}"), &format!("simulation.period_s={physics}")],
+        );
+        assert_eq!(run.outcome, legwork::episode::Outcome::Completed, "{control}/{physics}: {:?}", run.reason);
+        let ticks = (4.0 / control.parse::<f64>().expect("a number")).round() as usize;
+        assert_eq!(run.log.len(), ticks);
+        assert!((run.metrics.mean_speed_mps - 0.5).abs() < 0.02);
+    }
+}
+
+#[test]
+fn sensors_and_actuators_are_ideal_unless_asked() {
+    let ideal = common::run("walk", &["duration_s=2"]);
+    let log = &ideal.log;
+    let (wanted, applied) = (log.range(legwork::log::Field::Torque), log.range(legwork::log::Field::TorqueApplied));
+    assert!(log.records().all(|record| record[wanted.clone()] == record[applied.clone()]));
+    for set in [
+        "simulation.actuators.delay_s=0.002",
+        "simulation.actuators.lag_s=0.005",
+        "simulation.sensors.delay_s=0.003",
+        "simulation.sensors.position_noise=0.0005",
+        "simulation.sensors.velocity_noise=0.02",
+    ] {
+        let real = common::run("walk", &["duration_s=2", set]);
+        assert_ne!(real.result_hash, ideal.result_hash, "{set} has no effect");
+    }
+    // A lag of 5 ms: the applied torque follows the wanted one exponentially, step by step.
+    let lagging = common::run("stand", &["duration_s=0.2", "simulation.actuators.lag_s=0.005"]);
+    let log = &lagging.log;
+    let share = 1.0 - (-1e-3_f64 / 5e-3).exp();
+    for i in 1..log.len() {
+        let (before, now) =
+            (log.get(i - 1, legwork::log::Field::TorqueApplied)[0], log.get(i, legwork::log::Field::TorqueApplied)[0]);
+        let wanted = log.get(i, legwork::log::Field::Torque)[0];
+        assert!((now - (before + share * (wanted - before))).abs() < 1e-9);
+    }
+}
