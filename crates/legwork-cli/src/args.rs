@@ -1,0 +1,140 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+
+/// Finds out what a biped's controller can survive, and why it fell.
+///
+/// Without a command: runs the thesis's two experiments, prints each published figure beside the measured one, and
+/// writes legwork-report.html into the current folder.
+#[derive(Debug, Parser)]
+#[command(
+    name = "legwork",
+    version,
+    after_help = "Example: legwork run push --set pushes.0.force_n=500 --report push.html"
+)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Simulate scenarios and print their figures beside the thesis's
+    #[command(
+        after_help = "Examples:\n  legwork run walk push --report report.html\n  legwork run push --set pushes.0.force_n=655 --set controller.limits.torque_nm=200 --json\n  legwork run my-scenario.toml --log run.parquet\n\nWith several scenarios, --log and --plots put each one's name into the file names.\nExit code: 0 done (a fall is a result), 1 a file could not be read or written, or a fall under --expect-standing, 2 wrong invocation."
+    )]
+    Run(RunArgs),
+    /// List models, scenarios, and every setting with unit, default, range and source
+    #[command(after_help = "Example: legwork list settings")]
+    List(ListArgs),
+    /// Print a scenario with all its settings, as a file that can be saved and run
+    #[command(after_help = "Example: legwork show push > my-push.toml")]
+    Show(ShowArgs),
+    /// Show a robot model (TOML or URDF): tree, masses, limits, contacts, warnings; with a state also its dynamics
+    #[command(
+        after_help = "Examples:\n  legwork inspect planar_humanoid\n  legwork inspect robot.urdf --base floating --state state.json --json\n\nA state is {\"q\": [...], \"v\": [...]}; the names in q_names and v_names give the order. A floating base has q = quaternion w x y z, then position x y z, and v = angular, then linear velocity in the body's frame."
+    )]
+    Inspect(InspectArgs),
+}
+
+impl Command {
+    /// What the program does without arguments.
+    pub(crate) fn main_job() -> Self {
+        Self::Run(RunArgs {
+            scenarios: vec!["walk".into(), "push".into()],
+            report: Some("legwork-report.html".into()),
+            ..RunArgs::default()
+        })
+    }
+}
+
+/// Options of `run`.
+#[derive(Debug, Default, ClapArgs)]
+pub(crate) struct RunArgs {
+    /// Built-in scenarios (see `legwork list scenarios`) or TOML files
+    #[arg(required = true, value_name = "SCENARIO")]
+    pub(crate) scenarios: Vec<String>,
+    /// Change a setting; lists are indexed by number, as in pushes.0.force_n=655
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub(crate) sets: Vec<String>,
+    /// Simulated time in seconds, instead of the scenario's
+    #[arg(long, value_name = "S")]
+    pub(crate) duration: Option<String>,
+    /// Write one record a control tick to a .csv or .parquet file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) log: Option<PathBuf>,
+    /// Write a self-contained page with table, plots and animation
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) report: Option<PathBuf>,
+    /// Write the figures as SVG files into a folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) plots: Option<PathBuf>,
+    /// Print one JSON object a scenario instead of tables
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// End with exit code 1 if a robot falls
+    #[arg(long)]
+    pub(crate) expect_standing: bool,
+}
+
+/// Options of `list`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct ListArgs {
+    /// What to list; everything by default
+    #[arg(value_enum)]
+    pub(crate) what: Option<Listing>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What can be listed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Listing {
+    /// Built-in robot models
+    Models,
+    /// Built-in scenarios
+    Scenarios,
+    /// Every setting of a scenario
+    Settings,
+}
+
+/// Options of `show`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct ShowArgs {
+    /// A built-in scenario or a TOML file
+    pub(crate) scenario: String,
+    /// Change a setting
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub(crate) sets: Vec<String>,
+}
+
+/// Options of `inspect`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct InspectArgs {
+    /// A built-in model, or a TOML or URDF file
+    pub(crate) model: String,
+    /// How the root is held, instead of what the model says
+    #[arg(long, value_enum)]
+    pub(crate) base: Option<BaseArg>,
+    /// JSON file with joint positions and velocities
+    #[arg(long, value_name = "FILE.json")]
+    pub(crate) state: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// How the root of a model is held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BaseArg {
+    /// Fixed to the world
+    Fixed,
+    /// Free in the x-z plane
+    Planar,
+    /// Free in space
+    Floating,
+}

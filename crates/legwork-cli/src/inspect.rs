@@ -1,0 +1,278 @@
+//! `legwork inspect`: a robot model as legwork understands it, and its dynamics in a state.
+
+use std::path::Path;
+
+use legwork::error::Error;
+use legwork::library;
+use legwork_rbd::{Base, Dynamics, Joint, Model};
+use nalgebra::{DMatrix, Vector3};
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+
+use crate::args::{BaseArg, InspectArgs};
+use crate::output::{Failure, Output};
+
+/// A quaternion whose norm is further from one than this is refused.
+const UNIT_TOLERANCE: f64 = 1e-6;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct State {
+    q: Vec<f64>,
+    v: Vec<f64>,
+}
+
+pub(crate) fn inspect(options: &InspectArgs, output: &mut Output) -> Result<(), Failure> {
+    let base = options.base.map(|base| match base {
+        BaseArg::Fixed => Base::Fixed,
+        BaseArg::Planar => Base::Planar,
+        BaseArg::Floating => Base::Floating,
+    });
+    let model = library::load_model_with_base(&options.model, None, base)?;
+    let state = options.state.as_deref().map(|path| read_state(path, &model)).transpose()?;
+    let mut object = model_json(&model);
+    if let Some(state) = &state {
+        object.extend(dynamics_json(&model, state));
+    }
+    if options.json {
+        return output.line(Value::Object(object));
+    }
+    output.line(model_text(&model))?;
+    if state.is_some() {
+        for key in DYNAMICS_KEYS {
+            output.line(format!("{key}:\n{}", value_text(&object[*key])))?;
+        }
+    }
+    Ok(())
+}
+
+fn read_state(path: &Path, model: &Model) -> Result<State, Error> {
+    let text = std::fs::read_to_string(path).map_err(|error| Error::io(path, &error))?;
+    let place = path.display().to_string();
+    let state: State = serde_json::from_str(&text).map_err(|error| {
+        let problem =
+            format!("{error}; a state is {{\"q\": [{} numbers], \"v\": [{} numbers]}}", model.nq(), model.nv());
+        Error::invalid(format!("{place}:{}", error.line()), problem)
+    })?;
+    for (key, found, names) in [("q", state.q.len(), model.q_names()), ("v", state.v.len(), model.v_names())] {
+        if found != names.len() {
+            let problem = format!("found {found} numbers; {} are needed: {}", names.len(), names.join(", "));
+            return Err(Error::invalid(format!("{place}: {key}"), problem));
+        }
+    }
+    for (key, values) in [("q", &state.q), ("v", &state.v)] {
+        if let Some(index) = values.iter().position(|value| !value.is_finite() || value.abs() > 1e9) {
+            let problem = format!("found {}; a number within ±1e9 would be valid", values[index]);
+            return Err(Error::invalid(format!("{place}: {key}[{index}]"), problem));
+        }
+    }
+    for body in model.bodies.iter().filter(|body| matches!(body.joint, Joint::Floating)) {
+        let norm = state.q[body.q_index..body.q_index + 4].iter().map(|value| value * value).sum::<f64>().sqrt();
+        if (norm - 1.0).abs() > UNIT_TOLERANCE {
+            let place = format!("{place}: q[{}..{}]", body.q_index, body.q_index + 4);
+            return Err(Error::invalid(place, format!("found a quaternion (w, x, y, z) of norm {norm}; it must be 1")));
+        }
+    }
+    Ok(state)
+}
+
+fn model_json(model: &Model) -> Map<String, Value> {
+    let finite = |value: f64| value.is_finite().then_some(value);
+    let bodies: Vec<Value> = model
+        .bodies
+        .iter()
+        .map(|body| {
+            json!({
+                "name": body.name,
+                "parent": body.parent.map(|parent| model.bodies[parent].name.clone()),
+                "joint": body.joint_name,
+                "joint_type": joint_type(&body.joint),
+                "mass_kg": body.mass,
+                "com_m": vector(&body.com),
+                "inertia_kgm2": (0..3).map(|i| vector(&body.inertia.row(i).transpose())).collect::<Vec<_>>(),
+            })
+        })
+        .collect();
+    let dofs: Vec<Value> = model
+        .dofs
+        .iter()
+        .map(|dof| {
+            json!({
+                "name": dof.name,
+                "actuated": dof.actuated,
+                "rotational": dof.rotational,
+                "lower": finite(dof.lower),
+                "upper": finite(dof.upper),
+                "velocity_limit": finite(dof.velocity_limit),
+                "effort_limit": finite(dof.effort_limit),
+                "damping": dof.damping,
+            })
+        })
+        .collect();
+    let contacts: Vec<Value> = model
+        .contacts
+        .iter()
+        .map(|contact| {
+            json!({
+                "name": contact.name,
+                "body": model.bodies[contact.body].name,
+                "foot": model.feet[contact.foot],
+                "position_m": vector(&contact.position),
+            })
+        })
+        .collect();
+    let object = json!({
+        "name": model.name,
+        "base": format!("{:?}", model.base).to_lowercase(),
+        "gravity_mps2": model.gravity,
+        "total_mass_kg": model.total_mass(),
+        "torso": model.bodies[model.torso].name,
+        "q_names": model.q_names(),
+        "v_names": model.v_names(),
+        "momentum_rows": row_names("angular", model.angular_axes()).chain(row_names("linear", model.linear_axes())).collect::<Vec<_>>(),
+        "contact_rows": row_names("linear", model.linear_axes()).collect::<Vec<_>>(),
+        "bodies": bodies,
+        "dofs": dofs,
+        "contact_points": contacts,
+        "warnings": model.warnings(),
+    });
+    match object {
+        Value::Object(map) => map,
+        _ => Map::new(),
+    }
+}
+
+/// The keys that a state adds, in the order of printing.
+const DYNAMICS_KEYS: &[&str] = &[
+    "mass_matrix",
+    "bias",
+    "gravity",
+    "com",
+    "com_velocity",
+    "centroidal_momentum_matrix",
+    "centroidal_bias",
+    "contacts",
+    "kinetic_energy",
+    "potential_energy",
+];
+
+fn dynamics_json(model: &Model, state: &State) -> Map<String, Value> {
+    let mut dynamics = Dynamics::new(model);
+    dynamics.update(model, &state.q, &state.v);
+    let axes = model.linear_axes();
+    let d = axes.len();
+    let project = |value: &Vector3<f64>| axes.iter().map(|axis| axis.dot(value)).collect::<Vec<_>>();
+    let contacts: Vec<Value> = model
+        .contacts
+        .iter()
+        .enumerate()
+        .map(|(index, contact)| {
+            let rows = index * d..(index + 1) * d;
+            json!({
+                "name": contact.name,
+                "position": project(&dynamics.contact_positions[index]),
+                "velocity": project(&dynamics.contact_velocities[index]),
+                "jacobian": matrix(&dynamics.contact_jacobian.rows(rows.start, d).into_owned()),
+                "bias": dynamics.contact_bias.as_slice()[rows].to_vec(),
+            })
+        })
+        .collect();
+    let values = [
+        matrix(&dynamics.mass_matrix),
+        json!(dynamics.bias.as_slice()),
+        json!(dynamics.gravity.as_slice()),
+        json!(project(&dynamics.com)),
+        json!(project(&dynamics.com_velocity)),
+        matrix(&dynamics.momentum_matrix),
+        json!(dynamics.momentum_bias.as_slice()),
+        Value::Array(contacts),
+        json!(dynamics.kinetic_energy),
+        json!(dynamics.potential_energy),
+    ];
+    DYNAMICS_KEYS.iter().map(|key| (*key).to_owned()).zip(values).collect()
+}
+
+fn matrix(matrix: &DMatrix<f64>) -> Value {
+    matrix.row_iter().map(|row| json!(row.iter().collect::<Vec<_>>())).collect()
+}
+
+fn vector(value: &Vector3<f64>) -> [f64; 3] {
+    [value.x, value.y, value.z]
+}
+
+fn row_names<'a>(kind: &'a str, axes: &'a [Vector3<f64>]) -> impl Iterator<Item = String> + 'a {
+    axes.iter().map(move |axis| {
+        let name = ["x", "y", "z"][axis.iamax()];
+        format!("{kind} {}{name}", if axis[axis.iamax()] < 0.0 { "-" } else { "" })
+    })
+}
+
+fn joint_type(joint: &Joint) -> &'static str {
+    match joint {
+        Joint::Fixed => "fixed",
+        Joint::Revolute { .. } => "revolute",
+        Joint::Prismatic { .. } => "prismatic",
+        Joint::Floating => "floating",
+    }
+}
+
+fn model_text(model: &Model) -> String {
+    let mut text = format!(
+        "{}: {} base, {} degrees of freedom ({} actuated), {:.3} kg, gravity {} m/s2\n\nbodies\n",
+        model.name,
+        format!("{:?}", model.base).to_lowercase(),
+        model.nv(),
+        model.actuated().count(),
+        model.total_mass(),
+        model.gravity
+    );
+    for (index, body) in model.bodies.iter().enumerate() {
+        let depth = std::iter::successors(model.bodies[index].parent, |&parent| model.bodies[parent].parent).count();
+        let name = format!("{}{}", "  ".repeat(depth), body.name);
+        text += &format!("  {name:<36} {:>9.3} kg   by {} ({})\n", body.mass, body.joint_name, joint_type(&body.joint));
+    }
+    text += "\njoints                         lower        upper     max torque    damping\n";
+    for dof in &model.dofs {
+        let (scale, unit) = if dof.rotational { (180.0 / std::f64::consts::PI, "deg") } else { (1.0, "m") };
+        let limit = |value: f64| if value.is_finite() { format!("{:.1} {unit}", value * scale) } else { "free".into() };
+        let torque = if dof.effort_limit.is_finite() { format!("{} Nm", dof.effort_limit) } else { "-".into() };
+        text += &format!(
+            "  {:<22} {:>12} {:>12} {:>12} {:>10}   {}\n",
+            dof.name,
+            limit(dof.lower),
+            limit(dof.upper),
+            torque,
+            dof.damping,
+            if dof.actuated { "actuated" } else { "" }
+        );
+    }
+    text += "\ncontact points\n";
+    for contact in &model.contacts {
+        let p = contact.position;
+        text += &format!(
+            "  {:<22} on {} at ({}, {}, {}) m, foot {}\n",
+            contact.name, model.bodies[contact.body].name, p.x, p.y, p.z, model.feet[contact.foot]
+        );
+    }
+    if model.contacts.is_empty() {
+        text += "  none\n";
+    }
+    for warning in model.warnings() {
+        text += &format!("\nwarning: {warning}");
+    }
+    text
+}
+
+/// Rows of numbers in columns; contacts as JSON.
+fn value_text(value: &Value) -> String {
+    match value {
+        Value::Array(rows) if rows.iter().all(Value::is_array) => {
+            rows.iter().map(value_text).collect::<Vec<_>>().join("\n")
+        }
+        Value::Array(numbers) if numbers.iter().all(Value::is_number) => {
+            numbers.iter().map(|n| format!("{:>13.6}", n.as_f64().unwrap_or(0.0))).collect()
+        }
+        Value::Array(items) => items.iter().map(|item| format!("  {item}")).collect::<Vec<_>>().join("\n"),
+        other => format!("  {other}"),
+    }
+}

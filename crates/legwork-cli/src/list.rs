@@ -1,0 +1,105 @@
+//! `legwork list` and `legwork show`: what there is and what can be set.
+
+use legwork::settings::{SETTINGS, Setting};
+use legwork::{library, scenario_file};
+use legwork_rbd::Model;
+use serde_json::{Value, json};
+
+use crate::args::{ListArgs, Listing, ShowArgs};
+use crate::output::{Failure, Output};
+
+pub(crate) fn list(options: &ListArgs, output: &mut Output) -> Result<(), Failure> {
+    let wanted = |listing| options.what.is_none_or(|what| what == listing);
+    let mut object = serde_json::Map::new();
+    let mut sections: Vec<(&str, Vec<String>)> = Vec::new();
+    if wanted(Listing::Models) {
+        let models = library::model_names().map(builtin_model).collect::<Result<Vec<_>, _>>()?;
+        object.insert("models".into(), models.iter().map(model_json).collect());
+        sections.push(("models", models.iter().map(model_line).collect()));
+    }
+    if wanted(Listing::Scenarios) {
+        let scenarios = library::scenario_names()
+            .map(|name| scenario_file::load(name, &[]).map(|loaded| loaded.scenario))
+            .collect::<Result<Vec<_>, _>>()?;
+        object.insert(
+            "scenarios".into(),
+            scenarios.iter().map(|s| json!({ "name": s.name, "description": s.description })).collect(),
+        );
+        let width = scenarios.iter().map(|s| s.name.len()).max().unwrap_or(0);
+        sections
+            .push(("scenarios", scenarios.iter().map(|s| format!("{:<width$}  {}", s.name, s.description)).collect()));
+    }
+    if wanted(Listing::Settings) {
+        object.insert("settings".into(), SETTINGS.iter().map(setting_json).collect());
+        sections.push(("settings", SETTINGS.iter().map(setting_lines).collect()));
+    }
+    if options.json {
+        return output.line(Value::Object(object));
+    }
+    for (title, lines) in sections {
+        output.line(title)?;
+        for line in lines {
+            output.line(format!("  {line}"))?;
+        }
+        output.line("")?;
+    }
+    Ok(())
+}
+
+fn builtin_model(name: &str) -> Result<Model, legwork::error::Error> {
+    library::load_model(name, None)
+}
+
+fn model_line(model: &Model) -> String {
+    format!(
+        "{}  {:.1} kg, {} degrees of freedom, {} actuated, {} contact points",
+        model.name,
+        model.total_mass(),
+        model.nv(),
+        model.actuated().count(),
+        model.contacts.len()
+    )
+}
+
+fn model_json(model: &Model) -> Value {
+    json!({
+        "name": model.name,
+        "total_mass_kg": model.total_mass(),
+        "degrees_of_freedom": model.nv(),
+        "actuated": model.actuated().count(),
+        "contacts": model.contacts.len(),
+    })
+}
+
+fn default_text(setting: &Setting) -> String {
+    setting.default().map_or_else(|| "required".into(), |value| value.to_string())
+}
+
+fn setting_lines(setting: &Setting) -> String {
+    let symbol = if setting.symbol.is_empty() { String::new() } else { format!(" ({})", setting.symbol) };
+    format!(
+        "{}{symbol} = {}\n      {}\n      valid: {}; source: {}",
+        setting.path,
+        default_text(setting),
+        setting.help,
+        setting.valid_in_words(),
+        setting.source
+    )
+}
+
+fn setting_json(setting: &Setting) -> Value {
+    json!({
+        "path": setting.path,
+        "symbol": setting.symbol,
+        "unit": setting.unit,
+        "default": setting.default().map(|value| serde_json::to_value(value).unwrap_or(Value::Null)),
+        "valid": setting.valid.to_string(),
+        "source": setting.source,
+        "help": setting.help,
+    })
+}
+
+pub(crate) fn show(options: &ShowArgs, output: &mut Output) -> Result<(), Failure> {
+    let loaded = scenario_file::load(&options.scenario, &options.sets)?;
+    output.line(scenario_file::to_toml(&loaded.scenario).trim_end())
+}

@@ -1,0 +1,34 @@
+//! The program `legwork`: runs scenarios, shows what there is, inspects models.
+//!
+//! Data goes to stdout, words to stderr. Exit code 0: done what was asked (a simulated fall is a result); 1: a file
+//! could not be read or written, or a robot fell under `--expect-standing`; 2: a wrong invocation or file.
+
+mod args;
+mod inspect;
+mod list;
+mod output;
+mod report;
+mod run;
+mod summary;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Args, Command};
+use output::{Failure, Output};
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    let mut output = Output::stdout();
+    let done = match args.command.unwrap_or_else(Command::main_job) {
+        Command::Run(options) => run::run(&options, &mut output),
+        Command::List(options) => list::list(&options, &mut output).map(|()| ExitCode::SUCCESS),
+        Command::Show(options) => list::show(&options, &mut output).map(|()| ExitCode::SUCCESS),
+        Command::Inspect(options) => inspect::inspect(&options, &mut output).map(|()| ExitCode::SUCCESS),
+    };
+    done.and_then(|code| output.flush().map(|()| code)).unwrap_or_else(|failure: Failure| {
+        output::say(&format!("error: {failure}"));
+        ExitCode::from(failure.code())
+    })
+}

@@ -1,0 +1,89 @@
+//! Which limits of the program were active, and what each task was missed by.
+
+use legwork::control::Fallback;
+use legwork::episode::Run;
+use legwork::log::Field;
+
+use super::chart::{Panel, Row, rows_panel};
+use super::figures::{line, panel, plain, side, spans};
+
+/// Rows of active limits and fallbacks, then a panel of slack for each task.
+pub(super) fn panels(run: &Run, times: &[f64]) -> Vec<Panel> {
+    let mut panels = vec![rows_panel(rows(run, times))];
+    panels.extend(slack(run));
+    panels
+}
+
+/// The limits that are active in record `index`, with their side. Those of a contact whose force the program holds at
+/// zero are left out: they say no more than that the foot swings.
+pub(super) fn active(run: &Run, index: usize) -> impl Iterator<Item = (usize, i8)> + '_ {
+    let d = run.model.linear_axes().len();
+    let forces = run.log.get(index, Field::Grf);
+    let idle = move |name: &str| {
+        run.model.contacts.iter().zip(forces.chunks_exact(d)).any(|(contact, force)| {
+            let own = name.split_once(' ').is_some_and(|(_, rest)| {
+                rest.strip_prefix(contact.name.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(' '))
+            });
+            own && force.iter().all(|component| component.abs() < 1e-6)
+        })
+    };
+    let sides = run.log.get(index, Field::ActiveLimit).iter().enumerate();
+    let sides = sides.filter(|(_, side)| **side != 0.0).map(|(limit, side)| (limit, *side as i8));
+    sides.filter(move |(limit, _)| !idle(&run.layout.limits()[*limit].name))
+}
+
+/// A row for each limit that was ever active, then for each fallback that was ever used.
+fn rows(run: &Run, times: &[f64]) -> Vec<Row> {
+    let period = run.scenario.controller.period_s;
+    let mut sides = vec![vec![0_i8; times.len()]; run.layout.limits().len()];
+    for index in 0..times.len() {
+        active(run, index).for_each(|(limit, side)| sides[limit][index] = side);
+    }
+    let share = |ticks: usize| format!("{:.1} %", 100.0 * ticks as f64 / times.len().max(1) as f64);
+    let mut rows = Vec::new();
+    for (limit, sides) in run.layout.limits().iter().zip(&sides) {
+        let ticks = sides.iter().filter(|side| **side != 0).count();
+        if ticks > 0 {
+            let class = ["torque", "acceleration", "friction"].into_iter().find(|class| limit.name.starts_with(class));
+            let at = |side: i8| spans(times, period, |index| sides[index] == side).into_iter().map(move |s| (s, side));
+            let spans = at(-1).chain(at(1)).collect();
+            let label = plain(&limit.name).replace(" -", " \u{2212}");
+            rows.push(Row { label, note: share(ticks), spans, class: class.unwrap_or("force") });
+        }
+    }
+    for fallback in [Fallback::JointLimitsYield, Fallback::TasksYield, Fallback::HoldTorque] {
+        let used = |index: usize| run.log.get(index, Field::Program)[1] as u8 == fallback as u8;
+        let ticks = (0..times.len()).filter(|&index| used(index)).count();
+        if ticks > 0 {
+            let spans = spans(times, period, used).into_iter().map(|span| (span, 0)).collect();
+            rows.push(Row { label: fallback.describe().into(), note: share(ticks), spans, class: "fallback" });
+        }
+    }
+    if rows.is_empty() {
+        rows.push(Row { label: "no limit".into(), note: share(0), spans: Vec::new(), class: "force" });
+    }
+    rows
+}
+
+/// The size of each task's slack.
+fn slack(run: &Run) -> Vec<Panel> {
+    let (log, d) = (&run.log, run.model.linear_axes().len());
+    let angular = run.model.angular_axes().len();
+    let norm = |range: std::ops::Range<usize>| -> Vec<f64> {
+        let values = |index: usize| &log.get(index, Field::Slack)[range.clone()];
+        (0..log.len()).map(|index| values(index).iter().map(|value| value * value).sum::<f64>().sqrt()).collect()
+    };
+    let feet = run.model.contacts.iter().enumerate().map(|(contact, point)| {
+        let first = angular + d + contact * d;
+        let class = if side(&point.name) == "left" { "left dashed" } else { side(&point.name) };
+        line(&plain(&point.name), class, norm(first..first + d))
+    });
+    let feet: Vec<_> = feet.collect();
+    let torso = angular + d + run.model.contacts.len() * d;
+    vec![
+        panel("momentum rate, linear [N]", 86.0, 1.0, vec![line("slack", "", norm(angular..angular + d))]),
+        panel("momentum rate, angular [Nm]", 86.0, 1.0, vec![line("slack", "", norm(0..angular))]),
+        panel("feet [m/s²]", 86.0, 1.0, feet),
+        panel("torso [rad/s²]", 86.0, 1.0, vec![line("slack", "", norm(torso..torso + 1))]),
+    ]
+}

@@ -1,0 +1,231 @@
+//! The report: runs as one self-contained page, and their figures as SVG files.
+//!
+//! Everything is drawn here; the page loads nothing. Each chart is drawn twice, for wide and for narrow pages, as the
+//! text of a drawing shrinks with it. The same runs give the same bytes, save the times between the comments `timing`
+//! and `/timing`.
+
+mod chart;
+mod figures;
+mod limits;
+mod origin;
+mod scale;
+mod stage;
+mod stick;
+mod strip;
+mod svg;
+mod tables;
+#[cfg(test)]
+mod tests;
+
+use legwork::diagnosis;
+use legwork::episode::{Outcome, Run};
+use legwork::scenario_file;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use figures::Figure;
+
+/// Widths at which figures are drawn [px].
+const WIDE: f64 = 860.0;
+const NARROW: f64 = 380.0;
+
+const DARK: &str = include_str!("dark.css");
+const PAGE_STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("animation.js");
+
+/// The page may run what it holds and load nothing.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
+
+/// A page with all `runs`: figures beside the thesis's, charts, animation, books, and how to repeat it.
+pub(crate) fn html(runs: &[Run]) -> String {
+    let names: Vec<&str> = runs.iter().map(|run| run.scenario.name.as_str()).collect();
+    let title = format!("legwork: {}", names.join(", "));
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
+                meta name="generator" content={ "legwork " (env!("CARGO_PKG_VERSION")) };
+                link rel="icon" href="data:,";
+                title { (title) }
+                style { (PreEscaped(style())) }
+            }
+            body {
+                a.skip href="#runs" { "To the runs" }
+                (contents(runs))
+                main {
+                    header.top {
+                        h1 { "legwork report" }
+                        p { "A momentum-based whole-body controller for planar humanoids: what was simulated, how it went, and how
+                             it compares with the thesis." }
+                        (tables::overview(runs))
+                    }
+                    div #runs { @for (index, run) in runs.iter().enumerate() { (article(run, index + 1)) } }
+                    footer { "Made by legwork " (env!("CARGO_PKG_VERSION")) ". This page is complete in itself." }
+                }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    };
+    page.into_string()
+}
+
+/// The figures of a run as SVG files: name, such as `walk-tracking-x.svg`, and text.
+pub(crate) fn plots(run: &Run) -> Vec<(String, String)> {
+    let name = &run.scenario.name;
+    let file = |figure: &Figure| {
+        let drawing = figure.draw(WIDE).standalone(&format!("{name}: {}", figure.title));
+        (format!("{}-{}.svg", file_name(name), figure.name), drawing)
+    };
+    figures::figures(run).iter().map(file).collect()
+}
+
+/// A name that any file system takes.
+fn file_name(name: &str) -> String {
+    let kept = |c: char| if c.is_alphanumeric() || "_-".contains(c) { c } else { '-' };
+    let text: String = name.chars().take(80).map(kept).collect();
+    if text.is_empty() { "run".to_owned() } else { text }
+}
+
+fn style() -> String {
+    format!(
+        ":root {{\n{}}}\n@media screen and (prefers-color-scheme: dark) {{\n:root {{\n{DARK}}}\n}}\n{}{PAGE_STYLE}",
+        svg::LIGHT,
+        svg::FIGURE_STYLE
+    )
+}
+
+/// The sections of a run, as anchors and headings.
+const SECTIONS: [(&str, &str); 9] = [
+    ("motion", "Motion"),
+    ("figures", "Beside the thesis"),
+    ("tracking", "Tracking"),
+    ("torques", "Joint torques"),
+    ("forces", "Ground reaction forces"),
+    ("torso", "Torso"),
+    ("limits", "Limits and slack"),
+    ("books", "Books"),
+    ("repeat", "Repeat this run"),
+];
+
+fn contents(runs: &[Run]) -> Markup {
+    html! {
+        nav aria-label="Contents" {
+            @for (index, run) in runs.iter().enumerate() {
+                @let id = format!("#run-{}", index + 1);
+                div {
+                    a.run href=(id) { (run.scenario.name) }
+                    @if let Outcome::Fell(_) = run.outcome { " " span class="badge bad" { "fell" } }
+                    ul { @for (anchor, title) in SECTIONS { li { a href={ (id) "-" (anchor) } { (title) } } } }
+                }
+            }
+        }
+    }
+}
+
+fn article(run: &Run, number: usize) -> Markup {
+    let id = format!("run-{number}");
+    let figures = figures::figures(run);
+    let shown = |names: &[&str]| html! { @for figure in figures.iter().filter(|f| names.contains(&f.name)) { (drawn(figure)) } };
+    html! {
+        article id=(id) {
+            (head(run))
+            @for (anchor, title) in SECTIONS {
+                section id={ (id) "-" (anchor) } {
+                    h3 { (title) }
+                    @match anchor {
+                        "motion" => { (stage::animation(run, &format!("{id}-animation"))) (shown(&["poses"])) }
+                        "figures" => (tables::comparison(run)),
+                        "tracking" => (shown(&["tracking-x", "tracking-z"])),
+                        "books" => (books(run)),
+                        "repeat" => (repeat(run)),
+                        _ => (shown(&[anchor])),
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Name, description, outcome, and what a reader must not miss.
+fn head(run: &Run) -> Markup {
+    let (scenario, model) = (&run.scenario, &run.model);
+    let simulated = run.log.len() as f64 * scenario.controller.period_s;
+    let outcome = match &run.outcome {
+        Outcome::Completed => format!("Stood for all of its {} s.", tables::number(scenario.duration_s)),
+        Outcome::Fell(fall) => run.reason.clone().unwrap_or_else(|| diagnosis::sentence(fall)),
+        Outcome::Stopped => format!("Stopped at {simulated:.2} s, before its end at {} s.", tables::number(scenario.duration_s)),
+    };
+    let violations = run.audit.violations();
+    html! {
+        header {
+            h2 { (scenario.name) " " (tables::badge(run)) }
+            @if !scenario.description.is_empty() { p.description { (scenario.description) } }
+            @if let Outcome::Fell(_) = run.outcome {
+                p class="banner bad" role="alert" { strong { "The robot " } (outcome) "." }
+            } @else {
+                p { (outcome) }
+            }
+            @if !violations.is_empty() {
+                div class="banner warning" role="alert" {
+                    strong { "The simulation broke its own bounds; read the figures with care." }
+                    ul { @for violation in violations { li { (violation) } } }
+                }
+            }
+            p.facts {
+                span { "model " b { (scenario.model) } } " "
+                span { b { (tables::number(model.total_mass())) " kg" } } " "
+                span { b { (run.metrics.steps) } " steps" } " "
+                span { "friction " b { (scenario.ground.friction) } } " "
+                span { "slope " b { (scenario.ground.slope_deg) "\u{b0}" } } " "
+                @for push in &scenario.pushes {
+                    span {
+                        "push " b { (push.force_n) " N" } " at " b { (push.direction_deg) "\u{b0}" } " on " (push.at) ", "
+                        (push.start_s) " to " (tables::number(push.start_s + push.duration_s)) " s"
+                    } " "
+                }
+            }
+        }
+    }
+}
+
+fn drawn(figure: &Figure) -> Markup {
+    html! {
+        figure {
+            (figure.draw(WIDE).inline("wide"))
+            (figure.draw(NARROW).inline("narrow"))
+            figcaption { b { (figure.title) "." } " " (figure.caption) }
+        }
+    }
+}
+
+fn books(run: &Run) -> Markup {
+    html! {
+        div.columns {
+            div { h4 { "Simulator" } (tables::audit(run)) }
+            div { h4 { "Quadratic programs" } (tables::program(run)) }
+            (PreEscaped("<!-- timing -->"))
+            div { h4 { "Time on this computer" } (tables::timing(run)) }
+            (PreEscaped("<!-- /timing -->"))
+        }
+    }
+}
+
+fn repeat(run: &Run) -> Markup {
+    let command = origin::command(&run.scenario);
+    html! {
+        @if command.needs_file { p { "Save the scenario below as a file, then:" } }
+        pre { code { (command.line) } }
+        h4 { "Settings that are not the defaults" }
+        (tables::settings(run))
+        (tables::definitions(&[
+            ("hash of the inputs", format!("{:032x}", run.input_hash)),
+            ("hash of the result", format!("{:032x}", run.result_hash)),
+        ]))
+        details {
+            summary { "The whole scenario" }
+            pre { code { (scenario_file::to_toml(&run.scenario)) } }
+        }
+    }
+}

@@ -1,0 +1,245 @@
+//! The tables of a run: its figures beside the thesis's, the simulator's books, the programs, the times.
+
+use legwork::episode::{Outcome, Run};
+use legwork::published;
+use maud::{Markup, html};
+
+use super::origin;
+
+/// Every figure beside the published one; without published ones only what was measured.
+pub(super) fn comparison(run: &Run) -> Markup {
+    let rows = published::compare(&run.scenario.name, &run.metrics);
+    let known = rows.iter().any(|row| row.published.is_some());
+    let changed = origin::differences_from_built_in(&run.scenario).map_or(0, |differences| differences.len());
+    html! {
+        @if known && changed > 0 {
+            p.note {
+                "This run differs from the thesis's experiment in " (changed) " setting" @if changed > 1 { "s" } "; see "
+                "its settings below."
+            }
+        }
+        div.scroll tabindex="0" role="region" aria-label="Figures of the run" {
+            table.comparison {
+                thead {
+                    tr {
+                        th rowspan="2" scope="col" { "figure" }
+                        th colspan=(if known { "3" } else { "1" }) scope="colgroup" { "mean" }
+                        th colspan=(if known { "3" } else { "1" }) scope="colgroup" { "peak" }
+                    }
+                    tr {
+                        @for _ in 0..2 {
+                            @if known { th scope="col" { "thesis" } }
+                            th scope="col" { "measured" }
+                            @if known { th scope="col" { "difference" } }
+                        }
+                    }
+                }
+                tbody {
+                    @for row in rows.iter().filter(|row| row.published.is_some() || row.measured.is_some()) {
+                        tr {
+                            th scope="row" { (row.label) @if !row.unit.is_empty() { span.unit { " [" (row.unit) "]" } } }
+                            @for (published, measured) in [(row.published, row.measured), (row.published_peak, row.measured_peak)] {
+                                @if known { td { (optional(published)) } }
+                                td.measured { (optional(measured)) }
+                                @if known { td { (difference(published, measured)) } }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// One line for each run, with links to them.
+pub(super) fn overview(runs: &[Run]) -> Markup {
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="Overview" {
+            table.overview {
+                thead { tr {
+                    th scope="col" { "scenario" }
+                    th scope="col" { "outcome" }
+                    th scope="col" { "CoM error" span.unit { " [m]" } }
+                    th scope="col" { "feet error" span.unit { " [m]" } }
+                    th scope="col" { "torque" span.unit { " [Nm]" } }
+                    th scope="col" { "steps" }
+                    th scope="col" { "recovery" span.unit { " [s]" } }
+                    th scope="col" { "speed" span.unit { " [m/s]" } }
+                } }
+                tbody {
+                    @for (index, run) in runs.iter().enumerate() {
+                        @let m = &run.metrics;
+                        tr {
+                            th scope="row" { a href={ "#run-" (index + 1) } { (run.scenario.name) } }
+                            td.left { (badge(run)) }
+                            td { (number(m.com_error_m.mean)) }
+                            td { (number(m.feet_error_m.mean)) }
+                            td { (number(m.torque_nm.mean)) }
+                            td { (m.steps) }
+                            td { (optional(m.recovery_time_s)) }
+                            td { (number(m.mean_speed_mps)) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The outcome in a word, coloured.
+pub(super) fn badge(run: &Run) -> Markup {
+    match &run.outcome {
+        Outcome::Completed => html! { span class="badge good" { "completed" } },
+        Outcome::Fell(fall) => html! { span class="badge bad" { "fell at " (format!("{:.2}", fall.time)) " s" } },
+        Outcome::Stopped => html! { span class="badge" { "stopped" } },
+    }
+}
+
+/// The books of the simulator.
+pub(super) fn audit(run: &Run) -> Markup {
+    let audit = &run.audit;
+    definitions(&[
+        ("energy against work", quantity(audit.energy_error_j, "J")),
+        ("absolute work done", quantity(audit.work_j, "J")),
+        ("lost in contacts", quantity(audit.contact_loss_j, "J")),
+        ("momentum against impulses", quantity(audit.momentum_error_mps, "m/s")),
+        ("deepest penetration", quantity(audit.penetration_m, "m")),
+        ("force over the friction cone", quantity(audit.friction_excess_n, "N")),
+        ("pull of the ground", quantity(audit.pull_n, "N")),
+        ("slip of loaded feet", quantity(audit.slip_m, "m")),
+        ("residual of the contact solver", quantity(audit.contact_residual_n, "N")),
+        ("most sweeps in a step", audit.contact_sweeps.to_string()),
+    ])
+}
+
+/// How the quadratic programs went.
+pub(super) fn program(run: &Run) -> Markup {
+    let (program, layout) = (&run.program, &run.layout);
+    definitions(&[
+        ("variables", layout.variables().to_string()),
+        ("rows", layout.rows().to_string()),
+        ("programs solved", program.solves.to_string()),
+        ("ticks without a solution as it stood", program.infeasible.to_string()),
+        ("ticks with a fallback", program.fallbacks.to_string()),
+        ("iterations a tick, mean", number(program.iterations_mean)),
+        ("iterations a tick, most", program.iterations_max.to_string()),
+    ])
+}
+
+/// How long things took: the only part of the page that differs between two runs of the same.
+pub(super) fn timing(run: &Run) -> Markup {
+    let simulated = run.log.len() as f64 * run.scenario.controller.period_s;
+    let microseconds = |share| quantity(run.timing.tick_quantile_us(share), "\u{b5}s");
+    definitions(&[
+        ("control tick, median", microseconds(0.5)),
+        ("control tick, 99 %", microseconds(0.99)),
+        ("control tick, longest", microseconds(1.0)),
+        ("whole run", quantity(run.timing.wall_s, "s")),
+        ("times real time", format!("{:.0}", simulated / run.timing.wall_s.max(1e-9))),
+    ])
+}
+
+/// The settings that are not the defaults.
+pub(super) fn settings(run: &Run) -> Markup {
+    let differences = origin::differences_from_defaults(&run.scenario);
+    if differences.is_empty() {
+        return html! { p { "All settings are the defaults." } };
+    }
+    html! {
+        div.scroll tabindex="0" role="region" aria-label="Settings" {
+            table.settings {
+                thead { tr { th scope="col" { "setting" } th scope="col" { "value" } th scope="col" { "default" } th scope="col" { "meaning" } } }
+                tbody {
+                    @for set in differences {
+                        tr {
+                            th scope="row" { code { (set.path) } }
+                            td { (set.value) @if !set.setting.unit.is_empty() { span.unit { " " (set.setting.unit) } } }
+                            td.soft { (set.other) }
+                            td.left { (set.setting.help) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+pub(super) fn definitions(entries: &[(&str, String)]) -> Markup {
+    html! { dl { @for (name, value) in entries { div { dt { (name) } dd { (value) } } } } }
+}
+
+fn quantity(value: f64, unit: &str) -> String {
+    format!("{} {unit}", number(value))
+}
+
+fn optional(value: Option<f64>) -> String {
+    value.map_or("\u{2013}".to_owned(), number)
+}
+
+/// Measured against published, as a share of the published.
+fn difference(published: Option<f64>, measured: Option<f64>) -> Markup {
+    let (Some(published), Some(measured)) = (published, measured) else { return html! { "\u{2013}" } };
+    let percent = 100.0 * (measured - published) / published;
+    let rounded = if percent.abs() < 10.0 { format!("{percent:+.1}") } else { format!("{percent:+.0}") };
+    let zero = rounded.bytes().all(|byte| matches!(byte, b'+' | b'-' | b'0' | b'.'));
+    let text = if zero { "0".to_owned() } else { rounded.replace('-', "\u{2212}") };
+    html! { (text) " %" }
+}
+
+/// A number with three significant digits; large and small ones with a power of ten.
+pub(super) fn number(value: f64) -> String {
+    if !value.is_finite() {
+        return "not a number".into();
+    }
+    let exponent = format!("{:.2e}", value.abs()).split_once('e').and_then(|(_, power)| power.parse().ok()).unwrap_or(0);
+    let text = if value == 0.0 {
+        "0".into()
+    } else if (-3..4).contains(&exponent) {
+        format!("{value:.*}", (2 - exponent).max(0) as usize)
+    } else {
+        let power = exponent.to_string().chars().map(superscript).collect::<String>();
+        format!("{:.2}\u{b7}10{power}", value / 10.0_f64.powi(exponent))
+    };
+    text.replace('-', "\u{2212}")
+}
+
+fn superscript(digit: char) -> char {
+    match digit.to_digit(10) {
+        Some(1) => '\u{b9}',
+        Some(value @ 2..=3) => char::from_u32(0xb0 + value).unwrap_or(digit),
+        Some(value) => char::from_u32(0x2070 + value).unwrap_or(digit),
+        None => '\u{207b}',
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_three_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.0129, "0.0129"),
+            (0.002, "0.00200"),
+            (1.8e-4, "1.80\u{b7}10\u{207b}\u{2074}"),
+            (30_512.0, "3.05\u{b7}10\u{2074}"),
+            (220.0, "220"),
+            (9999.0, "1.00\u{b7}10\u{2074}"),
+            (-69.62, "\u{2212}69.6"),
+            (1e-10, "1.00\u{b7}10\u{207b}\u{b9}\u{2070}"),
+            (f64::NAN, "not a number"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+    }
+
+    #[test]
+    fn differences_have_a_sign() {
+        let shown = |published, measured| difference(Some(published), Some(measured)).into_string();
+        assert_eq!(shown(0.5, 0.55), "+10 %");
+        assert_eq!(shown(220.0, 220.0), "0 %");
+        assert_eq!(shown(356.0, 350.0), "\u{2212}1.7 %");
+        assert_eq!(difference(None, Some(1.0)).into_string(), "\u{2013}");
+    }
+}

@@ -1,0 +1,126 @@
+//! What `run` prints of a run: a table for people, a JSON object for programs.
+
+use legwork::episode::{Outcome, Run};
+use legwork::metrics::MeanPeak;
+use legwork::published;
+use serde_json::{Value, json};
+
+/// Outcome and table: each figure of the thesis beside the measured one.
+pub(crate) fn text(run: &Run) -> String {
+    let name = &run.scenario.name;
+    let mut text = match &run.outcome {
+        Outcome::Completed => format!("{name}: stood for {} s", run.scenario.duration_s),
+        Outcome::Fell(_) => format!("{name}: {}", run.reason.as_deref().unwrap_or("fell")),
+        Outcome::Stopped => format!("{name}: stopped at {:.2} s", simulated(run)),
+    };
+    let rows = published::compare(name, &run.metrics);
+    let known = rows.iter().any(|row| row.published.is_some());
+    text += &format!("\n  {:<34}{:>21}", "", "measured");
+    if known {
+        text += &format!("{:>23}", "thesis");
+    }
+    text += &format!("\n  {:<34}{:>11}{:>10}", "", "mean", "peak");
+    if known {
+        text += &format!("{:>13}{:>10}", "mean", "peak");
+    }
+    for row in rows.iter().filter(|row| row.measured.is_some() || row.published.is_some()) {
+        let label = if row.unit.is_empty() { row.label.to_owned() } else { format!("{} [{}]", row.label, row.unit) };
+        text += &format!("\n  {label:<34}{:>11}{:>10}", number(row.measured), number(row.measured_peak));
+        if known {
+            text += &format!("{:>13}{:>10}", number(row.published), number(row.published_peak));
+        }
+    }
+    text += &format!(
+        "\n  {} ticks, {:.0} times real time; control tick {:.1} us median, {:.1} us p99\n",
+        run.log.len(),
+        real_time_factor(run),
+        run.timing.tick_quantile_us(0.5),
+        run.timing.tick_quantile_us(0.99)
+    );
+    text
+}
+
+/// Three significant digits, or all of a larger number's; blank where there is none.
+fn number(value: Option<f64>) -> String {
+    let Some(value) = value else { return String::new() };
+    if value.abs() > 0.0 && value.abs() < 1e-4 {
+        return format!("{value:.0e}");
+    }
+    if value.fract() == 0.0 {
+        return format!("{value:.0}");
+    }
+    let digits = 2 - value.abs().log10().floor() as i32;
+    format!("{value:.*}", digits.clamp(0, 6) as usize)
+}
+
+/// The run as one JSON object; see docs/output.md.
+pub(crate) fn json(run: &Run) -> Value {
+    let (outcome, fell_at_s) = match &run.outcome {
+        Outcome::Completed => ("completed", None),
+        Outcome::Fell(fall) => ("fell", Some(fall.time)),
+        Outcome::Stopped => ("stopped", None),
+    };
+    let pair = |figure: MeanPeak| json!({ "mean": figure.mean, "peak": figure.peak });
+    let (m, audit, qp) = (&run.metrics, &run.audit, &run.program);
+    json!({
+        "scenario": run.scenario.name,
+        "outcome": outcome,
+        "fell_at_s": fell_at_s,
+        "reason": run.reason,
+        "input_hash": format!("{:032x}", run.input_hash),
+        "result_hash": format!("{:032x}", run.result_hash),
+        "metrics": {
+            "com_error_m": pair(m.com_error_m),
+            "com_error_vertical_m": pair(m.com_error_vertical_m),
+            "feet_error_m": pair(m.feet_error_m),
+            "torso_deviation_rad": pair(m.torso_deviation_rad),
+            "torque_nm": pair(m.torque_nm),
+            "grf_n": pair(m.grf_n),
+            "grf_simulated_n": pair(m.grf_simulated_n),
+            "u2_n2m2": pair(m.u2_n2m2),
+            "single_support_fraction": m.single_support_fraction,
+            "steps": m.steps,
+            "recovery_time_s": m.recovery_time_s,
+            "recovery_distance_m": m.recovery_distance_m,
+            "mean_speed_mps": m.mean_speed_mps,
+        },
+        "audit": {
+            "energy_error_j": audit.energy_error_j,
+            "work_j": audit.work_j,
+            "contact_loss_j": audit.contact_loss_j,
+            "momentum_error_mps": audit.momentum_error_mps,
+            "penetration_m": audit.penetration_m,
+            "friction_excess_n": audit.friction_excess_n,
+            "pull_n": audit.pull_n,
+            "slip_m": audit.slip_m,
+            "contact_sweeps_max": audit.contact_sweeps,
+            "contact_residual_n": audit.contact_residual_n,
+            "violations": audit.violations(),
+        },
+        "qp": {
+            "solves": qp.solves,
+            "infeasible": qp.infeasible,
+            "fallbacks": qp.fallbacks,
+            "iterations_mean": qp.iterations_mean,
+            "iterations_max": qp.iterations_max,
+        },
+        "timing": {
+            "tick_us": {
+                "p50": run.timing.tick_quantile_us(0.5),
+                "p99": run.timing.tick_quantile_us(0.99),
+                "max": run.timing.tick_quantile_us(1.0),
+            },
+            "wall_s": run.timing.wall_s,
+            "simulated_s": simulated(run),
+            "real_time_factor": real_time_factor(run),
+        },
+    })
+}
+
+fn simulated(run: &Run) -> f64 {
+    run.log.len() as f64 * run.scenario.controller.period_s
+}
+
+fn real_time_factor(run: &Run) -> f64 {
+    simulated(run) / run.timing.wall_s.max(1e-9)
+}

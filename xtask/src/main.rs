@@ -1,0 +1,131 @@
+//! Project tasks: `cargo xtask test` does all that must pass.
+
+mod browser;
+
+use std::env;
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode, Stdio};
+
+const USAGE: &str = "usage: cargo xtask test
+
+  test   format, lint, documentation, all Rust tests and doc tests, and the report in a real browser;
+         ends with the sum alone on a line";
+
+fn main() -> ExitCode {
+    match env::args().nth(1).as_deref() {
+        Some("test") => test(),
+        Some("help" | "--help" | "-h") => {
+            say(USAGE);
+            ExitCode::SUCCESS
+        }
+        other => {
+            say(&format!("found {}\n{USAGE}", other.map_or("no task".into(), |task| format!("the task '{task}'"))));
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// What passed and failed so far.
+#[derive(Debug, Default)]
+pub(crate) struct Sum {
+    passed: u64,
+    failed: u64,
+}
+
+impl Sum {
+    /// Counts one check.
+    pub(crate) fn count(&mut self, name: &str, passed: bool) {
+        if passed {
+            self.passed += 1;
+        } else {
+            self.failed += 1;
+            say(&format!("FAILED: {name}"));
+        }
+    }
+}
+
+fn test() -> ExitCode {
+    let mut sum = Sum::default();
+    let mut check = |name: &str, arguments: &[&str], variables: &[(&str, &str)]| {
+        say(&format!("== {name}"));
+        let passed = cargo(arguments, variables).status().is_ok_and(|status| status.success());
+        sum.count(name, passed);
+    };
+    check("format", &["fmt", "--all", "--check"], &[]);
+    check("lint", &["clippy", "--workspace", "--all-targets", "--release", "--", "--deny", "warnings"], &[]);
+    check(
+        "documentation",
+        &["doc", "--workspace", "--no-deps", "--document-private-items", "--release"],
+        &[("RUSTDOCFLAGS", "--deny warnings")],
+    );
+    say("== tests");
+    rust_tests(&mut sum);
+    say("== report in a browser");
+    browser::test(&mut sum);
+    say("");
+    say(&format!("{} passed, {} failed", sum.passed, sum.failed));
+    if sum.failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Runs all tests in the release profile and adds up the harnesses' own counts.
+fn rust_tests(sum: &mut Sum) {
+    let child = cargo(&["test", "--workspace", "--release", "--no-fail-fast"], &[]).stdout(Stdio::piped()).spawn();
+    let mut child = match child {
+        Ok(child) => child,
+        Err(error) => return sum.count(&format!("cargo test cannot be started: {error}"), false),
+    };
+    let (mut passed, mut failed) = (0, 0);
+    for line in BufReader::new(child.stdout.take().expect("stdout is piped")).lines().map_while(Result::ok) {
+        if let Some(counts) = line.strip_prefix("test result: ") {
+            passed += number_before(counts, " passed");
+            failed += number_before(counts, " failed");
+        }
+        say(&line);
+    }
+    sum.passed += passed;
+    sum.failed += failed;
+    let succeeded = child.wait().is_ok_and(|status| status.success());
+    if !succeeded && failed == 0 {
+        sum.count("the tests did not build or did not run to their end", false);
+    }
+    if passed == 0 {
+        sum.count("no test was executed", false);
+    }
+}
+
+/// The number that stands before `word` in `text`.
+fn number_before(text: &str, word: &str) -> u64 {
+    let before = text.split(word).next().unwrap_or_default();
+    before.rsplit(|c: char| !c.is_ascii_digit()).next().and_then(|digits| digits.parse().ok()).unwrap_or(0)
+}
+
+/// The project's folder.
+pub(crate) fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the project").to_owned()
+}
+
+/// Cargo in the project's folder.
+pub(crate) fn cargo(arguments: &[&str], variables: &[(&str, &str)]) -> Command {
+    let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(arguments).envs(variables.iter().copied()).current_dir(root()).stdin(Stdio::null());
+    command
+}
+
+/// Writes a line to stdout.
+pub(crate) fn say(line: &str) {
+    let mut stdout = std::io::stdout().lock();
+    let _ = writeln!(stdout, "{line}");
+    let _ = stdout.flush();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number_before;
+
+    #[test]
+    fn counts_of_a_harness_are_read() {
+        let line = "FAILED. 12 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.00s";
+        assert_eq!((number_before(line, " passed"), number_before(line, " failed")), (12, 3));
+    }
+}
