@@ -259,9 +259,7 @@ impl Search<'_> {
                 continue;
             }
             let step = set.multipliers[k].max(0.0) / set.r[k];
-            // Of equal ones the largest coefficient: it leaves the best conditioned set.
-            let better = found.is_none_or(|(other, first)| step < first || (step <= first && set.r[k] > set.r[other]));
-            if better {
+            if found.is_none_or(|(_, first)| step < first) {
                 found = Some((k, step));
             }
         }

@@ -158,17 +158,6 @@ impl Scaled {
             v[c - self.m] += alpha;
         }
     }
-
-    /// `v_j += alpha |a_cj|`.
-    pub(crate) fn add_abs_to(&self, c: usize, alpha: f64, v: &mut [f64]) {
-        if c < self.m {
-            for (v, a) in v.iter_mut().zip(self.row(c)) {
-                *v += alpha * a.abs();
-            }
-        } else {
-            v[c - self.m] += alpha;
-        }
-    }
 }
 
 /// The unit of variable `j`, a power of two near `1/√|H_jj|`.

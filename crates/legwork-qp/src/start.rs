@@ -81,9 +81,7 @@ impl Search<'_> {
     /// As much of the guess as can hold together.
     pub(crate) fn take_guess(&mut self, previous: &[Member]) {
         for &member in previous {
-            let possible = self.program.kind[member.c] == Kind::Inequality
-                && self.set.place[member.c] == Place::Out
-                && member.bound(self.program).is_finite();
+            let possible = self.program.kind[member.c] == Kind::Inequality && member.bound(self.program).is_finite();
             if possible && self.set.project(self.program, member) > CLEARLY {
                 self.take(member);
             }

@@ -7,10 +7,8 @@ use crate::factor::Factor;
 use crate::linear::{axpy, dot, max_abs};
 use crate::scale::{Kind, Scaled};
 
-/// A normal is dependent if what the members leave of it is, in every component, below this times what cancelled.
-const DEPENDENT: f64 = 1e-9;
-/// The same relative to the largest component of what cancelled.
-const DEPENDENT_FLOOR: f64 = 1e-11;
+/// A normal is dependent if what the members leave of it is below this times what cancelled.
+const DEPENDENT: f64 = 1e-11;
 /// Multipliers are zero below this times the largest number in the stationarity condition.
 const ZERO_MULTIPLIER: f64 = 64.0 * f64::EPSILON;
 
@@ -62,8 +60,6 @@ pub(crate) struct WorkingSet {
     /// How the members make up the candidate: `n = N r + remainder`.
     pub(crate) r: Vec<f64>,
     pub(crate) remainder: Vec<f64>,
-    /// `∑ |terms|` of the remainder.
-    pub(crate) cancelled: Vec<f64>,
     /// `J2 d2`, and its product with the gradient.
     pub(crate) direction: Vec<f64>,
     scratch: Vec<f64>,
@@ -85,7 +81,6 @@ impl WorkingSet {
             d: vec![0.0; n],
             r: vec![0.0; n],
             remainder: vec![0.0; n],
-            cancelled: vec![0.0; n],
             direction: vec![0.0; n + 1],
             scratch: vec![0.0; n],
             free_length: 0.0,
@@ -144,20 +139,17 @@ impl WorkingSet {
         }
         let free = &self.d[q..];
         self.free_length = dot(free, free).sqrt();
-        let floor = DEPENDENT_FLOOR * max_abs(&self.cancelled);
-        let small = |(v, size): (&f64, &f64)| v.abs() <= DEPENDENT * size + floor;
-        free.is_empty() || self.remainder.iter().zip(&self.cancelled).all(small)
+        // Normals have norms between 1 and 2.
+        let size = 1.0 + self.r[..q].iter().map(|r| r.abs()).sum::<f64>();
+        free.is_empty() || max_abs(&self.remainder) <= DEPENDENT * size
     }
 
-    /// `n − N r`, and the sum of the sizes of its terms.
+    /// `n − N r`.
     pub(crate) fn compute_remainder(&mut self, program: &Scaled, candidate: Member) {
         self.remainder.fill(0.0);
-        self.cancelled.fill(0.0);
         program.add_to(candidate.c, candidate.sign, &mut self.remainder);
-        program.add_abs_to(candidate.c, 1.0, &mut self.cancelled);
         for (member, r) in self.members.iter().zip(&self.r) {
             program.add_to(member.c, -r * member.sign, &mut self.remainder);
-            program.add_abs_to(member.c, r.abs(), &mut self.cancelled);
         }
     }
 

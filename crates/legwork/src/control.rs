@@ -95,7 +95,7 @@ impl Controller {
     /// # Errors
     /// The model is not one that this controller can drive, or the CoM trajectory is not valid.
     pub fn new(scenario: &Scenario, model: &Model, samples: &[[f64; 3]], start: &Estimate) -> Result<Self, Error> {
-        check_model(scenario, model)?;
+        check_model(model)?;
         let settings = scenario.controller.clone();
         let (friction, slope_deg) = if scenario.ground.known {
             (scenario.ground.friction, scenario.ground.slope_deg)
@@ -262,7 +262,7 @@ fn observe(dynamics: &Dynamics, estimate: &Estimate) -> Observation {
 }
 
 /// The thesis's controller drives planar robots with two point feet.
-fn check_model(scenario: &Scenario, model: &Model) -> Result<(), Error> {
+pub(crate) fn check_model(model: &Model) -> Result<(), Error> {
     let contacts: Vec<usize> = model.contacts.iter().map(|contact| contact.foot).collect();
     if model.is_planar() && contacts == [0, 1] {
         return Ok(());
@@ -275,7 +275,7 @@ fn check_model(scenario: &Scenario, model: &Model) -> Result<(), Error> {
         model.feet.len()
     );
     Err(Error::invalid(
-        format!("scenario '{}': model", scenario.name),
+        "model",
         format!(
             "{found}; this controller needs a planar base and two feet with one contact point each, right before left"
         ),

@@ -5,7 +5,7 @@ use std::time::Instant;
 use legwork_rbd::Model;
 
 use crate::contact::GroundPlane;
-use crate::control::{Controller, Estimate};
+use crate::control::{Controller, Estimate, check_model};
 use crate::diagnosis::{self, Fall};
 use crate::error::Error;
 use crate::log::{Field, Log};
@@ -85,7 +85,7 @@ pub struct Run {
     pub program: ProgramCounts,
     /// How long things took.
     pub timing: Timing,
-    /// Hash of scenario and model.
+    /// Hash of scenario, model and CoM samples.
     pub input_hash: u128,
     /// Hash of the log.
     pub result_hash: u128,
@@ -102,6 +102,7 @@ pub struct Episode {
     truth: Estimate,
     estimate: Estimate,
     log: Log,
+    input_hash: u128,
     steps_per_tick: u64,
     ticks: u64,
     tick: u64,
@@ -118,7 +119,7 @@ impl Episode {
     /// The start pose cannot be taken, a push names an unknown body, the CoM trajectory is not valid, or the model is
     /// none that the controller can drive.
     pub fn new(scenario: &Scenario, model: &Model, samples: &[[f64; 3]]) -> Result<Self, Error> {
-        check_feet(scenario, model)?;
+        check_model(model)?;
         let ground = GroundPlane::new(model, scenario.ground.friction, scenario.ground.slope_deg.to_radians());
         let q = start_pose(scenario, model, &ground)?;
         let simulator = Simulator::new(scenario, model, q.as_slice())?;
@@ -130,6 +131,7 @@ impl Episode {
         Ok(Self {
             sensors: Sensors::new(&scenario.simulation.sensors, model, period, scenario.seed, &truth),
             log: Log::new(model, controller.layout(), ticks as usize),
+            input_hash: input_hash(scenario, model, samples),
             steps_per_tick: (period / scenario.simulation.period_s).round() as u64,
             ticks,
             tick: 0,
@@ -275,7 +277,7 @@ impl Episode {
             audit: self.simulator.audit().clone(),
             program,
             timing: Timing { ticks_s: self.tick_times, wall_s },
-            input_hash: input_hash(&self.scenario, &self.model),
+            input_hash: self.input_hash,
             result_hash: self.log.hash(),
             layout: self.controller.layout().clone(),
             scenario: self.scenario,
@@ -303,22 +305,17 @@ pub fn run(
     Ok(episode.finish(begin.elapsed().as_secs_f64()))
 }
 
-/// Hash of everything that a run depends on.
-fn input_hash(scenario: &Scenario, model: &Model) -> u128 {
+/// Hash of everything that a run depends on: of what is in the files that a scenario names, not of where they lie.
+fn input_hash(scenario: &Scenario, model: &Model, samples: &[[f64; 3]]) -> u128 {
+    let mut scenario = scenario.clone();
+    scenario.model.clear();
+    scenario.reference.com.file.clear();
     let mut hasher = xxhash_rust::xxh3::Xxh3::new();
     hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
-    hasher.update(toml::to_string(scenario).expect("a scenario is plain data").as_bytes());
+    hasher.update(toml::to_string(&scenario).expect("a scenario is plain data").as_bytes());
     hasher.update(model.to_toml().as_bytes());
-    hasher.digest128()
-}
-
-/// The start pose needs two feet on the ground.
-fn check_feet(scenario: &Scenario, model: &Model) -> Result<(), Error> {
-    if model.contacts.len() >= 2 {
-        return Ok(());
+    for value in samples.as_flattened() {
+        hasher.update(&value.to_bits().to_le_bytes());
     }
-    Err(Error::invalid(
-        format!("scenario '{}': model", scenario.name),
-        format!("the model '{}' has {} contact points; a biped needs at least two", model.name, model.contacts.len()),
-    ))
+    hasher.digest128()
 }

@@ -126,7 +126,7 @@ fn check_limits(scenario: &Scenario, model: &Model, q: DVector<f64>) -> Result<D
         let angle = q[model.bodies[dof.body].q_index];
         if dof.actuated && !(dof.lower..=dof.upper).contains(&angle) {
             return Err(Error::invalid(
-                format!("scenario '{}': start", scenario.name),
+                "start",
                 format!(
                     "the start pose puts {} at {:.1} deg, outside of its limits [{:.1}, {:.1}] deg; \
                      lower or raise start.com_height_m or move the feet",
@@ -146,7 +146,7 @@ fn unreachable(scenario: &Scenario, model: &Model, target: &Target, q: &DVector<
     dynamics.update(model, q.as_slice(), &vec![0.0; model.nv()]);
     let feet = [&dynamics.contact_positions[0], &dynamics.contact_positions[1]];
     Error::invalid(
-        format!("scenario '{}': start", scenario.name),
+        "start",
         format!(
             "no pose has the feet at x = {} and {} m and the centre of mass at ({}, {}) m: the legs do not reach that far \
              (nearest found: feet at ({:.3}, {:.3}) and ({:.3}, {:.3}) m, centre of mass at ({:.3}, {:.3}) m); \

@@ -38,14 +38,14 @@ function animate(figure) {
 
     let part = 0;
     const d = (path) => pose[part++].setAttribute("d", path);
+    const move = (point) => pose[part++].setAttribute("transform", `translate(${pixel(point).map(tenth).join(" ")})`);
     contacts.forEach((point, k) => d(Math.hypot(...forces[k]) > 1 ? cone(point) : ""));
     data.links.forEach(([a, b]) => d(path([pixel(points[a]), pixel(points[b])])));
-    contacts.forEach((point, k) => d(arrow(pixel(point), tip(point, forces[k]))));
+    data.joints.forEach((joint) => move(points[joint]));
     d(net(contacts, forces));
-    pushes.forEach(([force, at]) => d(arrow(tip(at, force.map((value) => -value)), pixel(at))));
-    for (const point of [right, left, xcom, reference, com]) {
-      pose[part++].setAttribute("transform", `translate(${pixel(point).map(tenth).join(" ")})`);
-    }
+    contacts.forEach((point, k) => d(arrow(pixel(point), tip(point, forces[k]))));
+    pushes.forEach(([force, at]) => d(push(force, at)));
+    [right, left, xcom, reference, com].forEach(move);
 
     const [x, height] = camera(com);
     const [across, down] = pixel([x, height]);
@@ -54,7 +54,7 @@ function animate(figure) {
     clock.textContent = `${now.toFixed(3)} s`;
     slider.setAttribute("aria-valuetext", clock.textContent);
     state.textContent = data.states[values.at(-1)];
-    for (const move of cursors) move(now);
+    for (const show of cursors) show(now);
   }
 
   // Stands still where the whole run can be seen, else follows the centre of mass.
@@ -81,9 +81,15 @@ function animate(figure) {
     const [x, y] = [tip[0] - tail[0], tip[1] - tail[1]];
     const length = Math.hypot(x, y);
     if (!(length >= 2 && length < 1e6)) return "";
-    const head = Math.min(9, length / 2) / length;
+    const head = Math.min(11, length / 2) / length;
     const corner = (side) => [tip[0] - head * (x + side * 0.4 * y), tip[1] - head * (y - side * 0.4 * x)];
     return path([tail, [tip[0] - 0.8 * head * x, tip[1] - 0.8 * head * y]]) + path([corner(1), tip, corner(-1)]) + "Z";
+  }
+  function push(force, at) {
+    const [[x, y], size] = [pixel(at), Math.hypot(...force)];
+    if (!size) return "";
+    const before = (distance) => [x - (distance * force[0]) / size, y + (distance * force[1]) / size];
+    return arrow(before(8 + data.scale * data.metres_per_newton * size), before(8));
   }
   function net(contacts, forces) {
     const sizes = forces.map((force) => Math.hypot(...force));

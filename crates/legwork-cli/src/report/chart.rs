@@ -88,7 +88,7 @@ pub(super) struct Chart {
 
 const ROW: f64 = 17.0;
 /// Above a panel: the names of its axes.
-const HEAD: f64 = 26.0;
+const HEAD: f64 = 29.0;
 /// Below the last: the time axis.
 const FOOT: f64 = 40.0;
 
@@ -178,7 +178,7 @@ impl Chart {
                         path class={ "line " (line.class) } d=(svg::path(&self.thinned(&line.values, time, &scale))) {}
                     }
                     @if !note.is_empty() {
-                        text class="note" x=(Px(time.range[1])) y=(Px(top - 9.0)) text-anchor="end" { (note) }
+                        text class="note" x=(Px(time.range[1])) y=(Px(top - 11.0)) text-anchor="end" { (note) }
                     }
                 }
             }
@@ -186,7 +186,8 @@ impl Chart {
     }
 
     fn thinned(&self, values: &[f64], time: &Scale, scale: &Scale) -> Vec<Vec<[f64; 2]>> {
-        let pixel = |(&t, &value): (&f64, &f64)| [time.at(t), if value.is_finite() { scale.within(value) } else { value }];
+        let pixel =
+            |(&t, &value): (&f64, &f64)| [time.at(t), if value.is_finite() { scale.within(value) } else { value }];
         scale::thin(self.times.iter().zip(values).map(pixel))
     }
 
@@ -266,7 +267,8 @@ fn time_ticks(time: &Scale, panels: &[[f64; 2]]) -> Markup {
 fn value_axis(axis: &Axis, scale: &Scale, [left, right]: [f64; 2], on_right: bool) -> Markup {
     let top = scale.range[1];
     let (x, gap, anchor) = if on_right { (right, 8.0, "start") } else { (left, -8.0, "end") };
-    let (name_x, name_anchor) = if on_right { (right + 8.0, "end") } else { (left - 8.0, "start") };
+    let (name_x, name_anchor) =
+        if on_right { (right + gap + widest_tick(axis), "end") } else { ((left - 40.0).max(4.0), "start") };
     html! {
         @if !on_right {
             path class="grid" d={
@@ -281,7 +283,7 @@ fn value_axis(axis: &Axis, scale: &Scale, [left, right]: [f64; 2], on_right: boo
                 text x=(Px(x + gap)) y=(Px(scale.at(tick) + 4.0)) { (tick_label(tick, axis.step)) }
             }
         }
-        text class="label" x=(Px(if on_right { name_x } else { 4.0 })) y=(Px(top - 9.0)) text-anchor=(name_anchor) {
+        text class="label" x=(Px(name_x)) y=(Px(top - 11.0)) text-anchor=(name_anchor) {
             (axis.label)
         }
     }

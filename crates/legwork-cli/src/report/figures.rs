@@ -47,8 +47,8 @@ pub(super) fn figures(run: &Run) -> Vec<Figure> {
         Figure {
             name: "poses",
             title: "Poses",
-            caption: "The robot at moments between which its joints and feet moved equally far; the numbers on the ground \
-                are metres. The forces are those of the program, in the friction cones of the feet."
+            caption: "The robot at moments between which it moves about equally far, chosen to differ; the numbers on the \
+                ground are metres. The forces are those of the program, in the friction cones of the feet."
                 .into(),
             body: Body::Strip(Box::new(Strip::new(run))),
         },
@@ -122,10 +122,13 @@ impl<'a> Charts<'a> {
         self.run.log.column(column).map(|value| factor * value).collect()
     }
 
+    /// Each swing by itself: one foot may follow the other without a pause.
     fn single_support(&self) -> Vec<Band> {
         let swings = self.values(Field::Swing, 0, 1.0);
-        let spans = spans(&self.times, self.run.scenario.controller.period_s, |index| swings[index] >= 0.0);
-        spans.into_iter().map(|span| Band { span, class: "single", label: "single support" }).collect()
+        let period = self.run.scenario.controller.period_s;
+        let of = |foot: f64| spans(&self.times, period, |index| (swings[index] - foot).abs() < 0.5);
+        let spans = [0.0, 1.0].into_iter().flat_map(of);
+        spans.map(|span| Band { span, class: "single", label: "single support" }).collect()
     }
 
     /// Position of a foot, and of its reference, along the linear axis `axis`.
@@ -179,6 +182,7 @@ impl<'a> Charts<'a> {
         let up = self.dimension - 1;
         let mut panel = panel("feet: z [m]", 230.0, 0.02, self.feet(up));
         if let Content::Lines { left, right, series, .. } = &mut panel.content {
+            *left = left.clone().rounded();
             let com = self.values(Field::Com, up, 1.0);
             let reference = self.values(Field::ComReference, up, 1.0);
             let values = com.iter().chain(&reference).copied();

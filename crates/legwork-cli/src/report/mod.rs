@@ -57,12 +57,13 @@ pub(crate) fn html(runs: &[Run]) -> String {
                 main {
                     header.top {
                         h1 { "legwork report" }
-                        p { "A momentum-based whole-body controller for planar humanoids: what was simulated, how it went, and how
-                             it compares with the thesis." }
+                        p {
+                            "What was simulated, how it went, and how it compares with the thesis. Made by legwork "
+                            (env!("CARGO_PKG_VERSION")) "; this page is complete in itself."
+                        }
                         (tables::overview(runs))
                     }
                     div #runs { @for (index, run) in runs.iter().enumerate() { (article(run, index + 1)) } }
-                    footer { "Made by legwork " (env!("CARGO_PKG_VERSION")) ". This page is complete in itself." }
                 }
                 script { (PreEscaped(SCRIPT)) }
             }
@@ -85,7 +86,8 @@ pub(crate) fn plots(run: &Run) -> Vec<(String, String)> {
 fn file_name(name: &str) -> String {
     let kept = |c: char| if c.is_alphanumeric() || "_-".contains(c) { c } else { '-' };
     let text: String = name.chars().take(80).map(kept).collect();
-    if text.is_empty() { "run".to_owned() } else { text }
+    let text = text.trim_matches('-');
+    if text.is_empty() { "run".to_owned() } else { text.to_owned() }
 }
 
 fn style() -> String {
@@ -96,18 +98,23 @@ fn style() -> String {
     )
 }
 
+/// With more runs than these, the contents name the runs only.
+const RUNS_WITH_SECTIONS: usize = 3;
+
 /// The sections of a run, as anchors and headings.
-const SECTIONS: [(&str, &str); 9] = [
-    ("motion", "Motion"),
-    ("figures", "Beside the thesis"),
-    ("tracking", "Tracking"),
-    ("torques", "Joint torques"),
-    ("forces", "Ground reaction forces"),
-    ("torso", "Torso"),
-    ("limits", "Limits and slack"),
-    ("books", "Books"),
-    ("repeat", "Repeat this run"),
-];
+fn sections(run: &Run) -> [(&'static str, &'static str); 9] {
+    [
+        ("motion", "Motion"),
+        ("figures", if tables::is_published(run) { "Beside the thesis" } else { "In figures" }),
+        ("tracking", "Tracking"),
+        ("torques", "Joint torques"),
+        ("forces", "Ground reaction forces"),
+        ("torso", "Torso"),
+        ("limits", "Limits and slack"),
+        ("books", "Audit and times"),
+        ("repeat", "Repeat this run"),
+    ]
+}
 
 fn contents(runs: &[Run]) -> Markup {
     html! {
@@ -117,7 +124,9 @@ fn contents(runs: &[Run]) -> Markup {
                 div {
                     a.run href=(id) { (run.scenario.name) }
                     @if let Outcome::Fell(_) = run.outcome { " " span class="badge bad" { "fell" } }
-                    ul { @for (anchor, title) in SECTIONS { li { a href={ (id) "-" (anchor) } { (title) } } } }
+                    @if runs.len() <= RUNS_WITH_SECTIONS {
+                        ul { @for (anchor, title) in sections(run) { li { a href={ (id) "-" (anchor) } { (title) } } } }
+                    }
                 }
             }
         }
@@ -131,7 +140,7 @@ fn article(run: &Run, number: usize) -> Markup {
     html! {
         article id=(id) {
             (head(run))
-            @for (anchor, title) in SECTIONS {
+            @for (anchor, title) in sections(run) {
                 section id={ (id) "-" (anchor) } {
                     h3 { (title) }
                     @match anchor {
@@ -152,20 +161,15 @@ fn article(run: &Run, number: usize) -> Markup {
 fn head(run: &Run) -> Markup {
     let (scenario, model) = (&run.scenario, &run.model);
     let simulated = run.log.len() as f64 * scenario.controller.period_s;
-    let outcome = match &run.outcome {
-        Outcome::Completed => format!("Stood for all of its {} s.", tables::number(scenario.duration_s)),
-        Outcome::Fell(fall) => run.reason.clone().unwrap_or_else(|| diagnosis::sentence(fall)),
-        Outcome::Stopped => format!("Stopped at {simulated:.2} s, before its end at {} s.", tables::number(scenario.duration_s)),
-    };
     let violations = run.audit.violations();
     html! {
         header {
             h2 { (scenario.name) " " (tables::badge(run)) }
             @if !scenario.description.is_empty() { p.description { (scenario.description) } }
-            @if let Outcome::Fell(_) = run.outcome {
-                p class="banner bad" role="alert" { strong { "The robot " } (outcome) "." }
-            } @else {
-                p { (outcome) }
+            @if let Outcome::Fell(fall) = &run.outcome {
+                p class="banner bad" role="alert" {
+                    strong { "The robot " } (run.reason.clone().unwrap_or_else(|| diagnosis::sentence(fall))) "."
+                }
             }
             @if !violations.is_empty() {
                 div class="banner warning" role="alert" {
@@ -174,6 +178,10 @@ fn head(run: &Run) -> Markup {
                 }
             }
             p.facts {
+                span {
+                    b { (tables::number(simulated)) " s" }
+                    @if run.outcome != Outcome::Completed { " of " (tables::number(scenario.duration_s)) " s" }
+                } " "
                 span { "model " b { (scenario.model) } } " "
                 span { b { (tables::number(model.total_mass())) " kg" } } " "
                 span { b { (run.metrics.steps) } " steps" } " "
@@ -181,13 +189,20 @@ fn head(run: &Run) -> Markup {
                 span { "slope " b { (scenario.ground.slope_deg) "\u{b0}" } } " "
                 @for push in &scenario.pushes {
                     span {
-                        "push " b { (push.force_n) " N" } " at " b { (push.direction_deg) "\u{b0}" } " on " (push.at) ", "
-                        (push.start_s) " to " (tables::number(push.start_s + push.duration_s)) " s"
+                        "push " b { (push.force_n) " N " (direction(push.direction_deg)) } " on " (push.at) " at "
+                        (push.start_s) " s for " (push.duration_s) " s"
                     } " "
                 }
             }
         }
     }
+}
+
+/// A push's direction in words, where it is one of four.
+fn direction(degrees: f64) -> String {
+    let words = ["forward", "up", "backward", "down"];
+    let quarter = degrees.rem_euclid(360.0) / 90.0;
+    if quarter.fract() == 0.0 { words[quarter as usize % 4].into() } else { format!("at {degrees}\u{b0}") }
 }
 
 fn drawn(figure: &Figure) -> Markup {

@@ -64,7 +64,8 @@ fn plain(value: &Value) -> String {
 pub(super) fn command(scenario: &Scenario) -> Command {
     match differences_from_built_in(scenario) {
         Some(differences) => {
-            let sets = differences.iter().map(|set| format!(" --set {}", quoted(&format!("{}={}", set.path, set.value))));
+            let sets =
+                differences.iter().map(|set| format!(" --set {}", quoted(&format!("{}={}", set.path, set.value))));
             Command { line: format!("legwork run {}{}", scenario.name, sets.collect::<String>()), needs_file: false }
         }
         None => {
@@ -92,7 +93,11 @@ mod tests {
         let Command { line, needs_file } = command(&scenario);
         assert!(!needs_file);
         assert!(line.starts_with("legwork run push --set "), "{line}");
-        for set in ["--set pushes.0.force_n=655.0", "--set reference.step.replan=in-swing", "--set 'pushes.0.point_m=[0.1,0.0,0.0]'"] {
+        for set in [
+            "--set pushes.0.force_n=655.0",
+            "--set reference.step.replan=in-swing",
+            "--set 'pushes.0.point_m=[0.1,0.0,0.0]'",
+        ] {
             assert!(line.contains(set), "{line}");
         }
         let again: Vec<String> = differences_from_built_in(&scenario)

@@ -5,11 +5,11 @@ use legwork::log::Field;
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 
-use super::figures::plain;
+use super::figures::{plain, side};
 use super::limits;
 use super::scale::{Px, extent};
-use super::stick::{Planar, Pose, Poses, View, keys, translate};
-use super::svg::{self, Drawing};
+use super::stick::{Planar, Pose, Poses, View, translate};
+use super::svg;
 
 /// Shortest time between two frames [s].
 const PERIOD: f64 = 0.005;
@@ -38,6 +38,7 @@ struct Data<'a> {
     range: Planar,
     points: usize,
     links: Vec<[usize; 2]>,
+    joints: &'a [usize],
     contacts: &'a [usize],
     pushes: usize,
     /// What may be said of a frame.
@@ -54,14 +55,16 @@ pub(super) fn animation(run: &Run, id: &str) -> Markup {
     let mut poses = Poses::new(run);
     let scale = (SIZE[1] - FOOT) / (1.17 * poses.height());
     let view = View::new(&mut poses, scale);
-    let stride = ((PERIOD / run.scenario.controller.period_s).round() as usize).max(run.log.len().div_ceil(MOST)).max(1);
+    let stride =
+        ((PERIOD / run.scenario.controller.period_s).round() as usize).max(run.log.len().div_ceil(MOST)).max(1);
     let records: Vec<usize> = (0..run.log.len()).step_by(stride).collect();
     let shown: Vec<Pose> = records.iter().map(|&record| poses.at(record)).collect();
     let range = extent(shown.iter().flat_map(|pose| pose.points.iter().map(|point| point[0])));
     let range = range.map_or([0.0, 0.0], |(low, high)| [low, high]);
 
     let mut states = Vec::new();
-    let frames = records.iter().zip(&shown).map(|(&record, pose)| frame(pose, state(run, record, &mut states))).collect();
+    let frames =
+        records.iter().zip(&shown).map(|(&record, pose)| frame(pose, state(run, record, &mut states))).collect();
     let data = Data {
         period: stride as f64 * run.scenario.controller.period_s,
         scale: scale.round(),
@@ -73,20 +76,23 @@ pub(super) fn animation(run: &Run, id: &str) -> Markup {
         range,
         points: shown[0].points.len(),
         links: poses.skeleton.links.iter().map(|(ends, _)| *ends).collect(),
+        joints: &poses.skeleton.joints,
         contacts: &poses.skeleton.contacts,
         pushes: run.scenario.pushes.len(),
         states,
         frames,
     };
     let view = View { scale: data.scale, ..view };
-    markup(run, id, &data, &view, &poses, &shown[0])
+    markup(run, id, &data, &view, &poses, &shown)
 }
 
-fn markup(run: &Run, id: &str, data: &Data<'_>, view: &View, poses: &Poses<'_>, first: &Pose) -> Markup {
+fn markup(run: &Run, id: &str, data: &Data<'_>, view: &View, poses: &Poses<'_>, shown: &[Pose]) -> Markup {
+    let first = &shown[0];
     let half = 0.5 * SIZE[0] / view.scale + 1.0;
     let floor = [data.range[0] - half, data.range[1] + half];
     // Numbers stay countable however far the robot went.
-    let step = [0.5, 1.0, 5.0, 20.0, 100.0].into_iter().find(|step| (floor[1] - floor[0]) / step < 200.0).unwrap_or(1e3);
+    let step =
+        [0.5, 1.0, 5.0, 20.0, 100.0].into_iter().find(|step| (floor[1] - floor[0]) / step < 200.0).unwrap_or(1e3);
     let [x, base] = view.pixel([first.com[0], poses.ground.height_at(first.com[0])]);
     let camera = translate([0.5 * SIZE[0] - x, data.stage[1] - base]);
     let last = data.frames.len() - 1;
@@ -96,6 +102,7 @@ fn markup(run: &Run, id: &str, data: &Data<'_>, view: &View, poses: &Poses<'_>, 
                 role="img" aria-label="Stick figure of the robot at the time that the slider shows" {
                 g.world transform=(camera) {
                     (view.ground(&poses.ground, floor, step, 10.0 * SIZE[1]))
+                    @for (class, d) in trails(view, poses, shown) { path class={ "trail " (class) } d=(d) {} }
                     g.pose { (view.draw(first, &poses.skeleton, &run.model)) }
                 }
             }
@@ -114,10 +121,8 @@ fn markup(run: &Run, id: &str, data: &Data<'_>, view: &View, poses: &Poses<'_>, 
                 }
             }
             p.state { "\u{a0}" }
-            (legend(run, 860.0).inline("wide"))
-            (legend(run, 380.0).inline("narrow"))
             figcaption {
-                "Space plays and pauses, \u{2190} and \u{2192} move by a frame (with Shift by ten), Home and End to the ends. \
+                "Marks as in the poses below. Space plays and pauses, \u{2190} and \u{2192} move by a frame (with Shift by ten), Home and End to the ends. \
                  The vertical line in the charts below shows the time; a click there moves to it."
             }
             script.frames type="application/json" { (PreEscaped(embedded(data))) }
@@ -130,9 +135,21 @@ fn embedded(data: &Data<'_>) -> String {
     serde_json::to_string(data).unwrap_or_default().replace('<', "\\u003c")
 }
 
-fn legend(run: &Run, width: f64) -> Drawing {
-    let (content, height) = svg::legend(&keys(run), 4.0, width);
-    Drawing { width, height, description: "Legend of the animation".into(), time_axis: None, content }
+/// The ways of the feet and of the centre of mass.
+fn trails(view: &View, poses: &Poses<'_>, shown: &[Pose]) -> Vec<(&'static str, String)> {
+    let trail = |place: &dyn Fn(&Pose) -> Planar| {
+        let mut line: Vec<Planar> = Vec::new();
+        for pose in shown {
+            let pixel = view.pixel(place(pose));
+            if line.last().is_none_or(|last| (last[0] - pixel[0]).hypot(last[1] - pixel[1]) > 3.0) {
+                line.push(pixel);
+            }
+        }
+        svg::path(&[line])
+    };
+    let feet = poses.skeleton.contacts.iter().zip(&poses.run.model.contacts);
+    let feet = feet.map(|(&point, contact)| (side(&contact.name), trail(&|pose: &Pose| pose.points[point])));
+    feet.chain([("", trail(&|pose: &Pose| pose.com))]).collect()
 }
 
 fn frame(pose: &Pose, state: usize) -> Vec<i64> {
@@ -155,7 +172,8 @@ fn state(run: &Run, index: usize, states: &mut Vec<String>) -> usize {
     let swing = run.log.get(index, Field::Swing)[0];
     let foot = run.model.feet.get(swing.max(0.0) as usize).filter(|_| swing >= 0.0);
     let mut text = foot.map_or("both feet stand".to_owned(), |foot| format!("{} swings", plain(foot)));
-    let limits: Vec<String> = limits::active(run, index).map(|(limit, _)| plain(&run.layout.limits()[limit].name)).collect();
+    let limits: Vec<String> =
+        limits::active(run, index).map(|(limit, _)| plain(&run.layout.limits()[limit].name)).collect();
     if !limits.is_empty() {
         text += &format!("; at its limit: {}", limits.join(", "));
     }

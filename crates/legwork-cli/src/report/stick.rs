@@ -11,6 +11,9 @@ use super::figures::side;
 use super::scale::Px;
 use super::svg::{self, Key, Symbol};
 
+/// How far before its point a push ends, so that its tip is seen beside the mark of the centre of mass [px].
+const SHORT: f64 = 8.0;
+
 /// A point or a force in the x-z plane [m, N].
 pub(super) type Planar = [f64; 2];
 
@@ -21,6 +24,8 @@ pub(super) struct Skeleton {
     points: Vec<(usize, Vector3<f64>)>,
     /// Two points each, and `right`, `left` or nothing.
     pub(super) links: Vec<([usize; 2], &'static str)>,
+    /// Joints between links.
+    pub(super) joints: Vec<usize>,
     /// The contact points, in the model's order.
     pub(super) contacts: Vec<usize>,
     /// Where each push acts: a point, or the centre of mass of all.
@@ -32,7 +37,7 @@ impl Skeleton {
     /// where it carries none (and for the torso) to a tip at twice the distance of its centre of mass.
     pub(super) fn new(run: &Run) -> Self {
         let model = &run.model;
-        let mut new = Self { points: Vec::new(), links: Vec::new(), contacts: Vec::new(), pushed: Vec::new() };
+        let mut new = Self { points: vec![], links: vec![], joints: vec![], contacts: vec![], pushed: vec![] };
         let joints: Vec<usize> = (0..model.bodies.len()).map(|body| new.add(body, Vector3::zeros())).collect();
         for contact in &model.contacts {
             let point = new.add(contact.body, contact.position);
@@ -43,6 +48,7 @@ impl Skeleton {
             let side = side(&model.bodies[body].name);
             new.links.extend(ends.into_iter().map(|end| ([joints[body], end], side)));
         }
+        new.joints = joints[(model.root() + 1).min(joints.len())..].to_vec();
         // A foot with several contact points has a sole.
         for (k, pair) in model.contacts.windows(2).enumerate() {
             if pair[0].body == pair[1].body {
@@ -180,6 +186,8 @@ impl<'a> Poses<'a> {
 pub(super) struct View {
     /// [px/m]
     pub(super) scale: f64,
+    /// Width of a link [m].
+    pub(super) thickness: f64,
     /// [m/N]
     pub(super) metres_per_newton: f64,
     /// The edges of a friction cone, of length one.
@@ -191,7 +199,8 @@ pub(super) struct View {
 impl View {
     pub(super) fn new(poses: &mut Poses<'_>, scale: f64) -> Self {
         let (metres_per_newton, cone) = (poses.metres_per_newton(), poses.cone());
-        Self { scale, metres_per_newton, cone, cone_length: 0.2 * poses.height() }
+        let height = poses.height();
+        Self { scale, thickness: 0.02 * height, metres_per_newton, cone, cone_length: 0.2 * height }
     }
 
     /// A point [px].
@@ -205,33 +214,43 @@ impl View {
         self.pixel([point[0] + k * newtons[0], point[1] + k * newtons[1]])
     }
 
-    /// The pose. `animation.js` relies on the order of the elements: cones, links, forces, net force, pushes, then marks of
-    /// the feet's references, XcoM, CoM reference, CoM.
+    /// The pose. `animation.js` relies on the order of the elements: cones, links, joints, net force, forces, pushes, then
+    /// marks of the feet's references, XcoM, CoM reference, CoM.
     pub(super) fn draw(&self, pose: &Pose, skeleton: &Skeleton, model: &Model) -> Markup {
         let contacts: Vec<Planar> = skeleton.contacts.iter().map(|&point| pose.points[point]).collect();
         let (centre, net) = net_force(&contacts, &pose.forces);
+        let thickness = self.thickness * self.scale;
         html! {
             @for (point, force) in contacts.iter().zip(&pose.forces) {
                 path class="cone" d=(if is_loaded(*force) { self.cone(*point) } else { String::new() }) {}
             }
             @for (ends, side) in &skeleton.links {
-                path class={ "link " (side) } d=(svg::path(&[ends.map(|end| self.pixel(pose.points[end])).to_vec()])) {}
+                path class={ "link " (side) } stroke-width=(Px(thickness))
+                    d=(svg::path(&[ends.map(|end| self.pixel(pose.points[end])).to_vec()])) {}
             }
+            @for &joint in &skeleton.joints {
+                circle class="joint" transform=(translate(self.pixel(pose.points[joint]))) r=(Px(0.55 * thickness)) {}
+            }
+            path class="arrow net" d=(svg::arrow(self.pixel(centre), self.tip(centre, net))) {}
             @for ((point, force), contact) in contacts.iter().zip(&pose.forces).zip(&model.contacts) {
                 path class={ "arrow " (side(&model.feet[contact.foot])) }
                     d=(svg::arrow(self.pixel(*point), self.tip(*point, *force))) {}
             }
-            path class="arrow net" d=(svg::arrow(self.pixel(centre), self.tip(centre, net))) {}
             @for push in &pose.pushes {
-                path class="arrow push" d=(push.map_or(String::new(), |[force, at]| {
-                    svg::arrow(self.tip(at, force.map(|component| -component)), self.pixel(at))
-                })) {}
+                path class="arrow push" d=(push.map_or(String::new(), |[force, at]| self.push(force, at))) {}
             }
             @for (foot, class) in pose.feet.iter().zip(["right", "left"]) { (self.mark(*foot, class)) }
             (self.mark(pose.xcom, "xcom"))
             (self.mark(pose.com_reference, "reference"))
             (self.dot(pose.com))
         }
+    }
+
+    /// An arrow that ends a little before the point at which it pushes.
+    fn push(&self, force: Planar, at: Planar) -> String {
+        let (end, size) = (self.pixel(at), force[0].hypot(force[1]).max(1e-9));
+        let before = |distance: f64| [end[0] - distance * force[0] / size, end[1] + distance * force[1] / size];
+        svg::arrow(before(SHORT + self.scale * self.metres_per_newton * size), before(SHORT))
     }
 
     fn mark(&self, point: Planar, class: &str) -> Markup {
@@ -260,7 +279,8 @@ impl View {
                 @for &tick in &ticks { "M" (Px(at(tick)[0])) " " (Px(at(tick)[1])) "v5" }
             } {}
             g class="ticks" text-anchor="middle" {
-                @for &tick in &ticks {
+                // A number that the edge would cut is left out.
+                @for &tick in ticks.iter().filter(|tick| (**tick - from).min(to - **tick) * self.scale > 13.0) {
                     text x=(Px(at(tick)[0])) y=(Px(at(tick)[1] + 18.0)) { (super::scale::tick_label(tick, step)) }
                 }
             }

@@ -2,6 +2,7 @@
 
 use legwork::contact::GroundPlane;
 use legwork::episode::Run;
+use legwork::scenario::Push;
 use legwork_rbd::Model;
 use maud::html;
 
@@ -10,7 +11,7 @@ use super::stick::{Planar, Pose, Poses, Skeleton, View, keys};
 use super::svg::{self, Drawing, Key};
 
 /// How many poses are shown.
-const POSES: usize = 8;
+const POSES: usize = 10;
 /// How many records are looked at to choose them.
 const LOOKED_AT: usize = 2000;
 /// Below the ground of a panel [px].
@@ -30,7 +31,7 @@ pub(super) struct Strip {
 }
 
 impl Strip {
-    /// The poses of `run` between which the points of the skeleton move equally far, first and last among them.
+    /// The poses of `run`, first and last among them.
     pub(super) fn new(run: &Run) -> Self {
         let mut reader = Poses::new(run);
         let (view, height) = (View::new(&mut reader, 1.0), reader.height());
@@ -40,25 +41,9 @@ impl Strip {
         if records.last().is_some_and(|&record| record != last) {
             records.push(last);
         }
-        let mut way = vec![0.0; records.len()];
-        let mut before: Option<Pose> = None;
-        for (k, &record) in records.iter().enumerate() {
-            let pose = reader.at(record);
-            if let Some(before) = &before {
-                // A robot at rest still shows poses, at equal times.
-                way[k] = way[k - 1] + distance(before, &pose) + 1e-3 * (pose.time - before.time);
-            }
-            before = Some(pose);
-        }
-        let mut chosen: Vec<usize> = (0..POSES)
-            .filter_map(|k| {
-                let target = way.last()? * k as f64 / (POSES - 1) as f64;
-                Some(records[way.iter().position(|&way| way >= target).unwrap_or(records.len() - 1)])
-            })
-            .collect();
-        chosen.dedup();
+        let poses: Vec<Pose> = records.into_iter().map(|record| reader.at(record)).collect();
         Self {
-            poses: chosen.into_iter().map(|record| reader.at(record)).collect(),
+            poses: choose(&poses, &run.scenario.pushes),
             skeleton: reader.skeleton,
             model: run.model.clone(),
             ground: reader.ground,
@@ -70,10 +55,10 @@ impl Strip {
 
     /// Draws it `width` wide [px].
     pub(super) fn draw(&self, width: f64) -> Drawing {
-        let columns = if width > 600.0 { 4 } else { 2 };
+        let columns = if width > 600.0 { 5 } else { 2 };
         let across = (width + GAP) / columns as f64 - GAP;
         // A robot with its legs apart is wider than high, with its forces somewhat higher than itself.
-        let scale = across / (1.3 * self.height);
+        let scale = across / (1.05 * self.height);
         let view = View { scale, ..self.view.clone() };
         let (above, metres) = (1.12 * self.height * scale + 14.0, across / scale);
         let down = above + FOOT;
@@ -106,9 +91,41 @@ impl Strip {
     }
 }
 
-/// The way of all points between two poses [m].
-fn distance(a: &Pose, b: &Pose) -> f64 {
-    a.points.iter().zip(&b.points).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).sum()
+/// The first pose, the last one, one in each push, and between them at about equal ways of all points the poses that are
+/// most unlike the others: else a periodic gait would show the same pose again and again.
+fn choose(poses: &[Pose], pushes: &[Push]) -> Vec<Pose> {
+    let Some(last) = poses.len().checked_sub(1) else { return Vec::new() };
+    let mut way = vec![0.0; poses.len()];
+    for k in 1..poses.len() {
+        // A robot at rest still shows poses, at equal times.
+        way[k] = way[k - 1] + distance(&poses[k - 1], &poses[k], [0.0; 2]) + 1e-3 * (poses[k].time - poses[k - 1].time);
+    }
+    let pushed = |push: &Push| poses.iter().position(|pose| pose.time >= push.start_s + 0.5 * push.duration_s);
+    let mut chosen: Vec<usize> = [0, last].into_iter().chain(pushes.iter().take(3).filter_map(pushed)).collect();
+    let parts = POSES + 1 - chosen.len();
+    let part = way[last] / parts as f64;
+    for k in 1..parts {
+        let off = |index: usize| (way[index] - part * k as f64).abs();
+        let unlike =
+            |index: usize| chosen.iter().map(|&other| shape_distance(&poses[index], &poses[other])).fold(9.0, f64::min);
+        let score = |index: usize| (unlike(index) - 0.05 * off(index), index);
+        let near = (0..poses.len()).filter(|&index| off(index) <= 0.4 * part).map(score);
+        chosen.extend(near.reduce(|best, next| if next.0 > best.0 { next } else { best }).map(|best| best.1));
+    }
+    chosen.sort_unstable();
+    chosen.dedup();
+    chosen.into_iter().map(|index| poses[index].clone()).collect()
+}
+
+/// Sum of the distances of all points between two poses, the second moved by `shift` [m].
+fn distance(a: &Pose, b: &Pose, shift: Planar) -> f64 {
+    let apart = |(a, b): (&Planar, &Planar)| (a[0] - b[0] - shift[0]).hypot(a[1] - b[1] - shift[1]);
+    a.points.iter().zip(&b.points).map(apart).sum()
+}
+
+/// As seen from the centres of mass.
+fn shape_distance(a: &Pose, b: &Pose) -> f64 {
+    distance(a, b, [a.com[0] - b.com[0], a.com[1] - b.com[1]])
 }
 
 /// Between the outermost points of the robot [m].

@@ -81,7 +81,7 @@ pub(super) fn arrow(tail: [f64; 2], tip: [f64; 2]) -> String {
     if !(2.0..1e6).contains(&length) {
         return String::new();
     }
-    let head = 9.0_f64.min(0.5 * length) / length;
+    let head = 11.0_f64.min(0.5 * length) / length;
     let corner = |side: f64| [tip[0] - head * (x + side * 0.4 * y), tip[1] - head * (y - side * 0.4 * x)];
     let neck = [tip[0] - 0.8 * head * x, tip[1] - 0.8 * head * y];
     path(&[vec![tail, neck], vec![corner(1.0), tip, corner(-1.0)]]) + "Z"
@@ -127,9 +127,18 @@ impl Key {
     }
 }
 
-/// About how wide a text is [px]; fonts differ.
+/// About how wide a text is at the size of all texts [px]: as in Helvetica; fonts differ.
 pub(super) fn text_width(text: &str) -> f64 {
-    6.7 * text.chars().count() as f64
+    let share = |c: char| match c {
+        'i' | 'j' | 'l' | '.' | ',' | ':' | ';' | '\'' | '|' => 0.24,
+        'f' | 't' | 'I' | ' ' | '(' | ')' | '[' | ']' | '/' | '-' => 0.29,
+        'r' => 0.34,
+        'm' | 'M' | 'w' | 'W' | '%' | '@' => 0.84,
+        'A'..='Z' => 0.7,
+        'c' | 'k' | 's' | 'v' | 'x' | 'y' | 'z' => 0.5,
+        _ => 0.56,
+    };
+    12.5 * text.chars().map(share).sum::<f64>()
 }
 
 /// Draws `keys` in rows between `left` and `right` [px] from the top on; returns its height [px] as well.

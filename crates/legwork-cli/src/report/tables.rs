@@ -5,11 +5,17 @@ use legwork::published;
 use maud::{Markup, html};
 
 use super::origin;
+use super::scale::tick_label;
+
+/// Whether the thesis publishes figures of a scenario of this name.
+pub(super) fn is_published(run: &Run) -> bool {
+    published::compare(&run.scenario.name, &run.metrics).iter().any(|row| row.published.is_some())
+}
 
 /// Every figure beside the published one; without published ones only what was measured.
 pub(super) fn comparison(run: &Run) -> Markup {
     let rows = published::compare(&run.scenario.name, &run.metrics);
-    let known = rows.iter().any(|row| row.published.is_some());
+    let known = is_published(run);
     let changed = origin::differences_from_built_in(&run.scenario).map_or(0, |differences| differences.len());
     html! {
         @if known && changed > 0 {
@@ -39,9 +45,13 @@ pub(super) fn comparison(run: &Run) -> Markup {
                         tr {
                             th scope="row" { (row.label) @if !row.unit.is_empty() { span.unit { " [" (row.unit) "]" } } }
                             @for (published, measured) in [(row.published, row.measured), (row.published_peak, row.measured_peak)] {
-                                @if known { td { (optional(published)) } }
-                                td.measured { (optional(measured)) }
-                                @if known { td { (difference(published, measured)) } }
+                                @if published.is_none() && measured.is_none() {
+                                    td colspan=(if known { "3" } else { "1" }) {}
+                                } @else {
+                                    @if known { td { (published.map_or("\u{2013}".to_owned(), as_published)) } }
+                                    td.measured { (optional(measured)) }
+                                    @if known { td { (difference(published, measured)) } }
+                                }
                             }
                         }
                     }
@@ -59,12 +69,12 @@ pub(super) fn overview(runs: &[Run]) -> Markup {
                 thead { tr {
                     th scope="col" { "scenario" }
                     th scope="col" { "outcome" }
-                    th scope="col" { "CoM error" span.unit { " [m]" } }
-                    th scope="col" { "feet error" span.unit { " [m]" } }
-                    th scope="col" { "torque" span.unit { " [Nm]" } }
+                    th scope="col" { "mean CoM error" span.unit { " [m]" } }
+                    th scope="col" { "mean feet error" span.unit { " [m]" } }
+                    th scope="col" { "mean torque" span.unit { " [Nm]" } }
                     th scope="col" { "steps" }
                     th scope="col" { "recovery" span.unit { " [s]" } }
-                    th scope="col" { "speed" span.unit { " [m/s]" } }
+                    th scope="col" { "mean speed" span.unit { " [m/s]" } }
                 } }
                 tbody {
                     @for (index, run) in runs.iter().enumerate() {
@@ -77,7 +87,7 @@ pub(super) fn overview(runs: &[Run]) -> Markup {
                             td { (number(m.torque_nm.mean)) }
                             td { (m.steps) }
                             td { (optional(m.recovery_time_s)) }
-                            td { (number(m.mean_speed_mps)) }
+                            td { (tick_label(m.mean_speed_mps, 0.01)) }
                         }
                     }
                 }
@@ -99,15 +109,15 @@ pub(super) fn badge(run: &Run) -> Markup {
 pub(super) fn audit(run: &Run) -> Markup {
     let audit = &run.audit;
     definitions(&[
-        ("energy against work", quantity(audit.energy_error_j, "J")),
-        ("absolute work done", quantity(audit.work_j, "J")),
+        ("energy error", quantity(audit.energy_error_j, "J")),
+        ("work, absolute", quantity(audit.work_j, "J")),
         ("lost in contacts", quantity(audit.contact_loss_j, "J")),
-        ("momentum against impulses", quantity(audit.momentum_error_mps, "m/s")),
+        ("momentum error", quantity(audit.momentum_error_mps, "m/s")),
         ("deepest penetration", quantity(audit.penetration_m, "m")),
-        ("force over the friction cone", quantity(audit.friction_excess_n, "N")),
+        ("over the friction cone", quantity(audit.friction_excess_n, "N")),
         ("pull of the ground", quantity(audit.pull_n, "N")),
         ("slip of loaded feet", quantity(audit.slip_m, "m")),
-        ("residual of the contact solver", quantity(audit.contact_residual_n, "N")),
+        ("contact residual", quantity(audit.contact_residual_n, "N")),
         ("most sweeps in a step", audit.contact_sweeps.to_string()),
     ])
 }
@@ -119,7 +129,7 @@ pub(super) fn program(run: &Run) -> Markup {
         ("variables", layout.variables().to_string()),
         ("rows", layout.rows().to_string()),
         ("programs solved", program.solves.to_string()),
-        ("ticks without a solution as it stood", program.infeasible.to_string()),
+        ("ticks without a solution", program.infeasible.to_string()),
         ("ticks with a fallback", program.fallbacks.to_string()),
         ("iterations a tick, mean", number(program.iterations_mean)),
         ("iterations a tick, most", program.iterations_max.to_string()),
@@ -186,14 +196,23 @@ fn difference(published: Option<f64>, measured: Option<f64>) -> Markup {
     html! { (text) " %" }
 }
 
-/// A number with three significant digits; large and small ones with a power of ten.
+/// A published number with the digits that were published.
+fn as_published(value: f64) -> String {
+    if value.abs() < 1e4 {
+        return value.to_string();
+    }
+    number(value).replacen("0\u{b7}", "\u{b7}", 1)
+}
+
+/// A number with three significant digits; whole ones as they are, large and small ones with a power of ten.
 pub(super) fn number(value: f64) -> String {
     if !value.is_finite() {
         return "not a number".into();
     }
-    let exponent = format!("{:.2e}", value.abs()).split_once('e').and_then(|(_, power)| power.parse().ok()).unwrap_or(0);
-    let text = if value == 0.0 {
-        "0".into()
+    let exponent =
+        format!("{:.2e}", value.abs()).split_once('e').and_then(|(_, power)| power.parse().ok()).unwrap_or(0);
+    let text = if value.fract() == 0.0 && value.abs() < 1e4 {
+        tick_label(value, 1.0)
     } else if (-3..4).contains(&exponent) {
         format!("{value:.*}", (2 - exponent).max(0) as usize)
     } else {
@@ -220,12 +239,15 @@ mod tests {
     fn numbers_have_three_digits() {
         for (value, text) in [
             (0.0, "0"),
+            (-0.0, "0"),
+            (13.0, "13"),
             (0.0129, "0.0129"),
             (0.002, "0.00200"),
             (1.8e-4, "1.80\u{b7}10\u{207b}\u{2074}"),
             (30_512.0, "3.05\u{b7}10\u{2074}"),
             (220.0, "220"),
-            (9999.0, "1.00\u{b7}10\u{2074}"),
+            (9999.0, "9999"),
+            (9999.9, "1.00\u{b7}10\u{2074}"),
             (-69.62, "\u{2212}69.6"),
             (1e-10, "1.00\u{b7}10\u{207b}\u{b9}\u{2070}"),
             (f64::NAN, "not a number"),

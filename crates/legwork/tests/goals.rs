@@ -1,0 +1,196 @@
+//! From state to goals: the planner's equations, the step state machine, the friction cone on a slope.
+
+use legwork::contact::GroundPlane;
+use legwork::library;
+use legwork::planner::MotionReferencePlanner;
+use legwork::reference::step::{Phase, StepMachine};
+use legwork::reference::{Observation, PointReference, Reference};
+use legwork::scenario::{Damping, Replan, Scenario};
+use legwork_rbd::{Dynamics, Model};
+use nalgebra::Vector3;
+
+const GRAVITY: f64 = 9.81;
+
+fn humanoid() -> Model {
+    library::load_model("planar_humanoid", None).expect("a built-in model")
+}
+
+#[test]
+fn goals_are_equations_4_3_to_4_6() {
+    let model = humanoid();
+    let q = [0.1, 0.2, -0.7, 1.1, -0.3, -2.2, -0.9];
+    let v = [0.3, -0.1, 0.4, -0.8, 0.5, 0.2, -0.6];
+    let mut dynamics = Dynamics::new(&model);
+    dynamics.update(&model, &q, &v);
+    let mut reference = Reference::default();
+    reference.chest.point = PointReference {
+        position: Vector3::new(0.28, 0.0, 0.9),
+        velocity: Vector3::new(0.5, 0.0, -0.1),
+        acceleration: Vector3::new(0.2, 0.0, 0.3),
+    };
+    reference.chest.angle.angle = -0.08;
+    reference.feet[1].point = PointReference {
+        position: Vector3::new(0.6, 0.0, 0.05),
+        velocity: Vector3::new(1.0, 0.0, 0.5),
+        acceleration: Vector3::new(3.0, 0.0, -4.0),
+    };
+    for (damping, factor) in [(Damping::Printed, 2.0_f64.sqrt()), (Damping::Critical, 2.0)] {
+        let mut settings = Scenario::default().controller.planner;
+        settings.damping = damping;
+        settings.max_horizontal_momentum_rate_n = 60.0;
+        let mut planner = MotionReferencePlanner::new(&settings, &model);
+        let goal = planner.plan(&model, &dynamics, &v, &reference);
+
+        // (4.3): the angular momentum, from the bodies' velocities by the momentum matrix of another test's trust.
+        let momentum: f64 = (0..7).map(|j| dynamics.momentum_matrix[(0, j)] * v[j]).sum();
+        assert!((goal.momentum_rate[0] + 200.0 * momentum).abs() < 1e-9);
+        // (4.4), with D_C = factor sqrt(m P_C), limited in x only.
+        let (p, d, m) = (1500.0, factor * (72.5_f64 * 1500.0).sqrt(), 72.5);
+        let com = &reference.chest.point;
+        let force = |axis: usize| {
+            p * (com.position[axis] - dynamics.com[axis])
+                + d * (com.velocity[axis] - dynamics.com_velocity[axis])
+                + m * com.acceleration[axis]
+        };
+        assert!(force(0).abs() > 60.0, "the limit must be met: {}", force(0));
+        assert!((goal.momentum_rate[1] - force(0).clamp(-60.0, 60.0)).abs() < 1e-9);
+        assert!((goal.momentum_rate[2] - force(2)).abs() < 1e-9);
+        // (4.5), with D_f = factor sqrt(P_f).
+        let foot = &reference.feet[1].point;
+        for (row, axis) in [(2, 0), (3, 2)] {
+            let expected = 1500.0 * (foot.position[axis] - dynamics.contact_positions[1][axis])
+                + factor * 1500.0_f64.sqrt() * (foot.velocity[axis] - dynamics.contact_velocities[1][axis])
+                + foot.acceleration[axis];
+            assert!((goal.foot_acceleration[row] - expected).abs() < 1e-9);
+        }
+        // (4.6) with S_c = (0 0 1 1 1 0 0).
+        let (angle, rate) = (q[2] + q[3] + q[4], v[2] + v[3] + v[4]);
+        let expected = 45.0 * (-0.08 - angle) - factor * 45.0_f64.sqrt() * rate;
+        assert!((goal.torso_acceleration - expected).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn friction_rows_are_equations_4_12_to_4_16_on_a_slope() {
+    let (friction, slope) = (0.6, 0.2_f64);
+    let ground = GroundPlane::new(&humanoid(), friction, slope);
+    let (normal, tangent) = ([-slope.sin(), slope.cos()], [slope.cos(), slope.sin()]);
+    let expected = [
+        [-normal[0], -normal[1]],
+        [tangent[0] - friction * normal[0], tangent[1] - friction * normal[1]],
+        [-tangent[0] - friction * normal[0], -tangent[1] - friction * normal[1]],
+    ];
+    assert_eq!(ground.friction_rows(), 3);
+    for (row, expected) in expected.iter().enumerate() {
+        let found = ground.friction_row(row);
+        assert!((found.x - expected[0]).abs() < 1e-15 && (found.z - expected[1]).abs() < 1e-15, "row {row}");
+    }
+    assert!((ground.gap(&Vector3::new(1.0, 0.0, ground.height_at(1.0)))).abs() < 1e-15);
+    assert!((ground.height_at(1.0) - slope.tan()).abs() < 1e-15);
+}
+
+/// A step machine with feet at 0 (right) and 0.5 m (left), over level ground.
+struct Walker {
+    machine: StepMachine,
+    observation: Observation,
+    com: PointReference,
+}
+
+impl Walker {
+    fn new(reference_speed: f64, replan: Replan) -> Self {
+        let mut settings = Scenario::default().reference.step;
+        settings.replan = replan;
+        let observation = Observation {
+            time: 0.0,
+            com: Vector3::new(0.25, 0.0, 0.9),
+            com_velocity: Vector3::zeros(),
+            feet: [Vector3::zeros(), Vector3::new(0.5, 0.0, 0.0)],
+            touching: [true, true],
+        };
+        let com = PointReference {
+            position: Vector3::new(0.25, 0.0, 0.9),
+            velocity: Vector3::x() * reference_speed,
+            ..PointReference::default()
+        };
+        let ground = GroundPlane::new(&humanoid(), 0.85, 0.0);
+        Self { machine: StepMachine::new(settings, ground, GRAVITY, &observation), observation, com }
+    }
+
+    /// Moves on with the CoM standing still at `x`, which is then also the XcoM.
+    fn with_xcom(&mut self, x: f64) -> Phase {
+        self.observation.com.x = x;
+        self.machine.update(&self.observation, &self.com);
+        self.machine.phase()
+    }
+}
+
+fn swinging(phase: Phase) -> Option<(usize, f64)> {
+    match phase {
+        Phase::DoubleSupport => None,
+        Phase::Step { foot, length, .. } => Some((foot, length)),
+    }
+}
+
+#[test]
+fn a_step_is_triggered_where_the_xcom_leaves_the_base_of_support() {
+    let mut walker = Walker::new(0.0, Replan::Never);
+    assert_eq!(walker.with_xcom(0.49), Phase::DoubleSupport);
+    let (foot, length) = swinging(walker.with_xcom(0.51)).expect("a step forward");
+    assert!(foot == 0 && length > 0.0, "the rear foot steps forward");
+    let mut walker = Walker::new(0.0, Replan::Never);
+    assert_eq!(walker.with_xcom(0.01), Phase::DoubleSupport);
+    let (foot, length) = swinging(walker.with_xcom(-0.01)).expect("a step backward");
+    assert!(foot == 1 && length < 0.0, "the left foot is the rear one in a fall backward");
+}
+
+#[test]
+fn the_delay_holds_on_the_side_of_the_motion_only() {
+    // 0.2 s of 0.5 m/s: 0.1 m.
+    assert_eq!(Walker::new(0.5, Replan::Never).with_xcom(0.59), Phase::DoubleSupport);
+    assert_ne!(Walker::new(0.5, Replan::Never).with_xcom(0.61), Phase::DoubleSupport);
+    assert_ne!(Walker::new(0.5, Replan::Never).with_xcom(-0.01), Phase::DoubleSupport);
+    assert_eq!(Walker::new(-0.5, Replan::Never).with_xcom(-0.09), Phase::DoubleSupport);
+    // At most 0.15 m.
+    assert_ne!(Walker::new(2.0, Replan::Never).with_xcom(0.66), Phase::DoubleSupport);
+}
+
+#[test]
+fn the_step_reaches_past_the_predicted_xcom_within_its_limits() {
+    let mut walker = Walker::new(0.0, Replan::Never);
+    let (_, length) = swinging(walker.with_xcom(0.6)).expect("a step");
+    let omega = (GRAVITY / 0.9_f64).sqrt();
+    let predicted = 0.5 + (0.6 - 0.5) * (omega * 0.225_f64).exp(); // (2.5) about the standing foot
+    assert!((length - 1.1 * predicted).abs() < 1e-12, "{length}");
+    let shortest = swinging(Walker::new(0.0, Replan::Never).with_xcom(-0.001)).expect("a step").1;
+    assert!((shortest + 0.59).abs() < 1e-12, "at least 0.59 m: {shortest}");
+    let longest = swinging(Walker::new(0.0, Replan::Never).with_xcom(2.0)).expect("a step").1;
+    assert!((longest - 1.05).abs() < 1e-12, "at most 1.05 m: {longest}");
+}
+
+#[test]
+fn touchdown_counts_after_half_of_the_step_and_latches_the_reference() {
+    let mut walker = Walker::new(0.0, Replan::Never);
+    walker.with_xcom(0.55);
+    walker.observation.feet[0] = Vector3::new(0.3, 0.0, 0.0005);
+    walker.observation.time = 0.1;
+    assert_ne!(walker.with_xcom(0.55), Phase::DoubleSupport, "too early");
+    walker.observation.time = 0.12;
+    walker.observation.feet[0].x = 0.7;
+    assert_eq!(walker.with_xcom(0.6), Phase::DoubleSupport);
+    let latched = walker.machine.foot(0, 0.2);
+    assert!((latched.position - Vector3::new(0.7, 0.0, 0.0)).norm() < 1e-12, "on the ground where it stands");
+    assert!(latched.velocity.norm() < 1e-12 && latched.acceleration.norm() < 1e-12);
+    assert_eq!(walker.machine.steps(), 1);
+}
+
+#[test]
+fn only_replanning_answers_a_push_in_the_swing() {
+    for (replan, changes) in [(Replan::Never, false), (Replan::InSwing, true)] {
+        let mut walker = Walker::new(0.0, replan);
+        let before = swinging(walker.with_xcom(0.55)).expect("a step").1;
+        walker.observation.time = 0.05;
+        walker.observation.touching[0] = false;
+        let after = swinging(walker.with_xcom(0.70)).expect("still in the step").1;
+        assert_eq!(after > before + 0.05, changes, "{replan:?}: {before} to {after}");
+    }
+}
