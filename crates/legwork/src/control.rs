@@ -4,7 +4,7 @@
 //! that are always finite and within their limits. Where the program has no solution as it stands, it gives way in
 //! the order of [`Fallback`], and says so.
 
-use legwork_qp::{Problem, Solver, Status};
+use legwork_qp::{Constraint, Problem, Solver, Status};
 use legwork_rbd::{Dynamics, Model};
 use nalgebra::Vector3;
 
@@ -59,6 +59,8 @@ impl Fallback {
 pub struct Tick {
     /// Status of the program as it stood, before any fallback.
     pub status: Status,
+    /// Where that is infeasible: the constraints that contradict each other ([`Layout::name`] has the words).
+    pub conflict: Vec<Constraint>,
     /// What was done where that had no solution.
     pub fallback: Fallback,
     /// Iterations of the solver, all attempts together.
@@ -122,6 +124,7 @@ impl Controller {
             stance: vec![false; model.contacts.len()],
             tick: Tick {
                 status: Status::Optimal,
+                conflict: Vec::with_capacity(layout.variables() + layout.rows()),
                 fallback: Fallback::None,
                 iterations: 0,
                 solves: 0,
@@ -165,6 +168,7 @@ impl Controller {
         };
 
         let tick = &mut self.tick;
+        tick.conflict.clear();
         tick.iterations = 0;
         tick.solves = 0;
         let tracking = inputs.tracking;
@@ -187,6 +191,7 @@ impl Controller {
             tick.iterations += self.solver.iterations();
             if fallback == Fallback::None {
                 tick.status = status;
+                tick.conflict.extend(self.solver.conflict().map(|conflict| conflict.constraint));
             }
             if status == Status::Optimal && self.solver.x().iter().all(|value| value.is_finite()) {
                 qp::read_solution(&self.layout, &inputs, self.solver.x(), &mut tick.solution);

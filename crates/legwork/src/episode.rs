@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use legwork_qp::{Constraint, Status};
 use legwork_rbd::Model;
 
 use crate::contact::GroundPlane;
@@ -29,12 +30,14 @@ pub enum Outcome {
 }
 
 /// How the programs went.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProgramCounts {
     /// Programs solved.
     pub solves: u64,
     /// Ticks whose program had no solution as it stood.
     pub infeasible: u64,
+    /// The first of them: when [s], and which constraints contradicted each other, in words.
+    pub first_infeasible: Option<(f64, Vec<String>)>,
     /// Ticks that ended with a fallback.
     pub fallbacks: u64,
     /// Mean of the solver's iterations a tick.
@@ -108,6 +111,9 @@ pub struct Episode {
     tick: u64,
     fall: Option<Fall>,
     program: ProgramCounts,
+    /// Time and constraints of the first infeasible program.
+    first_infeasible: Option<f64>,
+    conflict: Vec<Constraint>,
     iterations: u64,
     tick_times: Vec<f64>,
 }
@@ -137,6 +143,8 @@ impl Episode {
             tick: 0,
             fall: None,
             program: ProgramCounts::default(),
+            first_infeasible: None,
+            conflict: Vec::with_capacity(controller.layout().variables() + controller.layout().rows()),
             iterations: 0,
             tick_times: Vec::with_capacity(ticks as usize),
             estimate: truth.clone(),
@@ -233,10 +241,14 @@ impl Episode {
 
         let program = &mut self.program;
         program.solves += u64::from(tick.solves);
-        program.infeasible += u64::from(tick.status != legwork_qp::Status::Optimal);
+        program.infeasible += u64::from(tick.status != Status::Optimal);
         program.fallbacks += u64::from(tick.fallback != crate::control::Fallback::None);
         program.iterations_max = program.iterations_max.max(tick.iterations);
         self.iterations += u64::from(tick.iterations);
+        if tick.status == Status::Infeasible && self.first_infeasible.is_none() {
+            self.first_infeasible = Some(self.truth.time);
+            self.conflict.extend_from_slice(&tick.conflict);
+        }
     }
 
     /// Time simulated so far [s].
@@ -271,6 +283,13 @@ impl Episode {
             Outcome::Completed | Outcome::Stopped => None,
         };
         let mut program = self.program;
+        program.first_infeasible = self.first_infeasible.map(|time| {
+            let mut names: Vec<String> =
+                self.conflict.iter().map(|&constraint| self.controller.layout().name(constraint).to_owned()).collect();
+            names.sort();
+            names.dedup();
+            (time, names)
+        });
         program.iterations_mean = self.iterations as f64 / self.tick.max(1) as f64;
         Run {
             metrics: metrics::measure(&self.scenario, &self.log),

@@ -9,7 +9,7 @@ use legwork::log::Field;
 use legwork::qp::{self, Inputs, Layout, Relaxation, Solution};
 use legwork::scenario::{QpForm, Scenario, Tracking};
 use legwork::{library, scenario_file};
-use legwork_qp::{Problem, Solver, Status};
+use legwork_qp::{Constraint, Problem, Solver, Status};
 use legwork_rbd::Model;
 
 /// A controller's inputs in a state of a run, so that either form can be built from them.
@@ -317,4 +317,8 @@ fn joint_limits_yield_where_they_contradict_the_torque_limits() {
     assert!(tick.solution.qdd[knee] < tick.braking[0], "the braking is missed, and visibly so");
     assert!(tick.solution.tau.iter().all(|torque| torque.abs() <= 5.0));
     assert!(tick.solves == 2 && tick.iterations > 0);
+    let conflict: Vec<Constraint> = tick.conflict.clone();
+    let names: Vec<&str> = conflict.iter().map(|&constraint| controller.layout().name(constraint)).collect();
+    assert!(names.contains(&"acceleration right_knee"), "{names:?}");
+    assert!(names.iter().any(|name| name.starts_with("torque ")), "{names:?}");
 }

@@ -127,6 +127,36 @@ impl Layout {
         self.limits.iter().position(|limit| limit.constraint == constraint)
     }
 
+    /// What a constraint that the solver names means, as in `torque right_knee` or `task feet`.
+    pub fn name(&self, constraint: Constraint) -> &str {
+        if let Some(limit) = self.limit(constraint) {
+            return &self.limits[limit].name;
+        }
+        let (groups, index) = match constraint {
+            Constraint::Row(row) => (
+                [
+                    (&self.dynamics_rows, "equation of motion"),
+                    (&self.momentum_rows, "task momentum"),
+                    (&self.feet_rows, "task feet"),
+                    (&self.torso_rows, "task torso"),
+                    (&self.complementarity_rows, "no contact"),
+                ],
+                row,
+            ),
+            Constraint::Bound(variable) => (
+                [
+                    (&self.qdd, "acceleration of the base"),
+                    (&self.rho, "no contact"),
+                    (&self.s_m, "task momentum"),
+                    (&self.s_f, "task feet"),
+                    (&self.s_a, "task torso"),
+                ],
+                variable,
+            ),
+        };
+        groups.iter().find(|(range, _)| range.contains(&index)).map_or("", |(_, name)| name)
+    }
+
     fn all_limits(&self, model: &Model) -> Vec<Limit> {
         let mut limits = Vec::new();
         let mut add = |name: String, constraint| limits.push(Limit { name, constraint });

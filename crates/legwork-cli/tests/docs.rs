@@ -1,0 +1,106 @@
+//! Every command that the documents show runs.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Commands that are not run here, with the reason.
+const ELSEWHERE: [(&str, &str); 4] = [
+    ("cargo run --release", "the program itself; without arguments it is run as `legwork`"),
+    ("cargo install --path crates/legwork-cli", "builds what this test has built"),
+    ("cargo xtask test", "runs this test"),
+    ("cargo doc -p", "a part of cargo xtask test"),
+];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn documents() -> Vec<PathBuf> {
+    let mut found: Vec<PathBuf> = ["README.md", "ARCHITECTURE.md", "CHANGELOG.md"].map(|name| root().join(name)).into();
+    for folder in [root().join("docs"), root().join("crates/legwork-rbd"), root().join("crates/legwork-qp")] {
+        let files = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+        found.extend(files.filter(|path| path.extension().is_some_and(|ending| ending == "md")));
+    }
+    found
+}
+
+/// The commands of a document, in order: lines of `sh` blocks, and what stands in backquotes and begins like one.
+fn commands(text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut block: Option<&str> = None;
+    for line in text.lines() {
+        if let Some(language) = line.strip_prefix("```") {
+            block = if block.is_some() { None } else { Some(language) };
+        } else if block == Some("sh") {
+            found.push(line.split("  #").next().unwrap_or_default().trim().to_owned());
+        } else if block.is_none() {
+            let spans = line.split('`').skip(1).step_by(2);
+            found.extend(spans.filter(|span| is_command(span)).map(str::to_owned));
+        }
+    }
+    found.retain(|command| !command.is_empty());
+    found
+}
+
+fn is_command(text: &str) -> bool {
+    let known = ["run ", "list", "show ", "inspect "].iter().any(|name| text.starts_with(&format!("legwork {name}")));
+    // Names in capitals and dots stand for something.
+    let general = text.split(' ').any(|word| word.contains("FILE") || word.contains("...") || word.starts_with("--"));
+    text.starts_with("cargo ") || (known && !general)
+}
+
+#[test]
+fn every_command_in_the_documents_runs() {
+    let folder = std::env::temp_dir().join(format!("legwork-docs-{}", std::process::id()));
+    fs::create_dir_all(&folder).expect("a folder for the commands' files");
+    let program = Path::new(env!("CARGO_BIN_EXE_legwork"));
+    let path = format!("{}:{}", program.parent().expect("a folder").display(), std::env::var("PATH").unwrap_or_default());
+    let mut count = 0;
+    for document in documents() {
+        let text = fs::read_to_string(&document).expect("a document");
+        for command in commands(&text) {
+            if let Some(example) = command.split("--example ").nth(1) {
+                let name = example.split(' ').next().unwrap_or_default();
+                let package = command.split("-p ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap_or_default();
+                let file = root().join(format!("crates/{package}/examples/{name}.rs"));
+                assert!(file.is_file(), "{}: {command}: there is no such example", document.display());
+                continue;
+            }
+            if ELSEWHERE.iter().any(|(known, _)| command.starts_with(known)) {
+                continue;
+            }
+            count += 1;
+            let output = Command::new("sh")
+                .args(["-c", &command])
+                .current_dir(&folder)
+                .env("PATH", &path)
+                .stdin(Stdio::null())
+                .output()
+                .expect("a shell");
+            assert!(
+                output.status.success(),
+                "{}: {command}\n{}",
+                document.display(),
+                String::from_utf8_lossy(&output.stderr)
+            );
+        }
+    }
+    assert!(count >= 8, "only {count} commands found");
+    let _ = fs::remove_dir_all(&folder);
+}
+
+#[test]
+fn links_between_the_documents_lead_somewhere() {
+    for document in documents() {
+        let text = fs::read_to_string(&document).expect("a document");
+        for target in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            if target.starts_with("http") || target.starts_with('#') {
+                continue;
+            }
+            let target = target.split('#').next().unwrap_or_default();
+            let path = document.parent().expect("a folder").join(target);
+            assert!(path.exists(), "{}: {target} does not exist", document.display());
+        }
+    }
+}
