@@ -1,7 +1,18 @@
 // Moves the stick figures: each animation reads its frames and sets what the page has drawn of the first one.
 "use strict";
 
+window.addEventListener("error", (event) => { document.documentElement.dataset.error = event.message; });
+const seekers = new Map(); // by the scenario's name, as an address spells it
 for (const figure of document.querySelectorAll(".animation")) animate(figure);
+window.addEventListener("hashchange", open);
+open();
+document.documentElement.dataset.animation = "ready";
+
+// An address that ends with #walk@2.00 shows the walk at 2 s.
+function open() {
+  const [, scenario, time] = location.hash.match(/^#(.+)@([0-9.]+)$/) ?? [];
+  seekers.get(scenario)?.(Number(time));
+}
 
 function animate(figure) {
   const find = (selector) => figure.querySelector(selector);
@@ -54,6 +65,7 @@ function animate(figure) {
     clock.textContent = `${now.toFixed(3)} s`;
     slider.setAttribute("aria-valuetext", clock.textContent);
     state.textContent = data.states[values.at(-1)];
+    figure.dataset.time = now.toFixed(2);
     for (const show of cursors) show(now);
   }
 
@@ -143,8 +155,8 @@ function animate(figure) {
   });
 
   // The charts of the same run show the time, and can be clicked to move to it.
-  for (const chart of figure.closest("article").querySelectorAll("svg[data-time]")) {
-    const [time, across, down] = ["time", "across", "down"].map((name) => chart.dataset[name].split(" ").map(Number));
+  for (const chart of figure.closest("article").querySelectorAll("svg[data-span]")) {
+    const [time, across, down] = ["span", "across", "down"].map((name) => chart.dataset[name].split(" ").map(Number));
     const cursor = document.createElementNS("http://www.w3.org/2000/svg", "path");
     cursor.setAttribute("class", "cursor");
     chart.append(cursor);
@@ -164,4 +176,9 @@ function animate(figure) {
   window.addEventListener("resize", draw);
   figure.hidden = false;
   draw();
+  seekers.set(encodeURIComponent(figure.dataset.scenario), (time) => {
+    setPlaying(false);
+    seek(time);
+    figure.scrollIntoView();
+  });
 }

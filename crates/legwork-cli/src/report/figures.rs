@@ -76,7 +76,7 @@ pub(super) fn figures(run: &Run) -> Vec<Figure> {
             "limits",
             "Limits and slack",
             "Above, when a limit of the program was active, and in which share of the ticks: a mark above the line is an \
-             upper limit, below it a lower one; forces count while the foot may carry load. Below, what each task was \
+             upper limit, below it a lower one; those of a foot count while it carries load. Below, what each task was \
              missed by."
                 .into(),
             limits::panels(run, &charts.times),

@@ -105,7 +105,7 @@ const RUNS_WITH_SECTIONS: usize = 3;
 fn sections(run: &Run) -> [(&'static str, &'static str); 9] {
     [
         ("motion", "Motion"),
-        ("figures", if tables::is_published(run) { "Beside the thesis" } else { "In figures" }),
+        ("figures", if tables::is_published(run) { "Beside the thesis" } else { "Measured" }),
         ("tracking", "Tracking"),
         ("torques", "Joint torques"),
         ("forces", "Ground reaction forces"),
@@ -231,7 +231,7 @@ fn repeat(run: &Run) -> Markup {
     let command = origin::command(&run.scenario);
     html! {
         @if command.needs_file { p { "Save the scenario below as a file, then:" } }
-        pre { code { (command.line) } }
+        pre tabindex="0" { code { (command.line) } }
         h4 { "Settings that are not the defaults" }
         (tables::settings(run))
         (tables::definitions(&[
@@ -240,7 +240,7 @@ fn repeat(run: &Run) -> Markup {
         ]))
         details {
             summary { "The whole scenario" }
-            pre { code { (scenario_file::to_toml(&run.scenario)) } }
+            pre tabindex="0" { code { (scenario_file::to_toml(&run.scenario)) } }
         }
     }
 }

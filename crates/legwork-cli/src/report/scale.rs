@@ -163,52 +163,45 @@ pub(super) fn thin(points: impl IntoIterator<Item = [f64; 2]>) -> Vec<Vec<[f64; 
 
 /// First and last point of a line, and the lowest and highest of each column of pixels.
 fn columns(line: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let mut kept = Vec::new();
+    let mut kept = vec![0];
+    let mut start = 0;
     for column in line.chunk_by(|a, b| a[0].floor().total_cmp(&b[0].floor()).is_eq()) {
         let place = |index: usize| (column[index][1], index);
         let lowest = (0..column.len()).map(place).fold(place(0), |a, b| if b.0 < a.0 { b } else { a }).1;
         let highest = (0..column.len()).map(place).fold(place(0), |a, b| if b.0 > a.0 { b } else { a }).1;
-        kept.push(column[lowest.min(highest)]);
-        if lowest != highest {
-            kept.push(column[lowest.max(highest)]);
-        }
+        kept.extend([start + lowest.min(highest), start + lowest.max(highest)]);
+        start += column.len();
     }
-    let (first, last) = (line[0], line[line.len() - 1]);
-    if kept[0] != first {
-        kept.insert(0, first);
-    }
-    if kept[kept.len() - 1] != last {
-        kept.push(last);
-    }
-    kept
+    kept.push(line.len() - 1);
+    kept.dedup();
+    kept.into_iter().map(|index| line[index]).collect()
 }
 
 /// Leaves out points that lie within [`TOLERANCE`] of the line between the ones that stay.
 fn straighten(line: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let mut kept = vec![line[0]];
-    let (mut anchor, mut previous) = (line[0], line[0]);
+    let mut kept = vec![0];
+    let mut anchor = 0;
+    // Slopes from the anchor that miss no point since then.
     let (mut shallow, mut steep) = (f64::NEG_INFINITY, f64::INFINITY);
-    for &point in &line[1..] {
-        let slope = |y: f64, from: [f64; 2]| (y - from[1]) / (point[0] - from[0]);
-        let straight = point[0] > anchor[0] && (shallow..=steep).contains(&slope(point[1], anchor));
-        if !straight && previous != anchor {
-            kept.push(previous);
-            anchor = previous;
+    for (index, [x, y]) in line.iter().enumerate().skip(1) {
+        let slope = |anchor: usize, y: f64| (y - line[anchor][1]) / (x - line[anchor][0]);
+        let straight = *x > line[anchor][0] && (shallow..=steep).contains(&slope(anchor, *y));
+        if !straight && index - 1 > anchor {
+            anchor = index - 1;
+            kept.push(anchor);
             (shallow, steep) = (f64::NEG_INFINITY, f64::INFINITY);
         }
-        if point[0] > anchor[0] {
-            shallow = shallow.max(slope(point[1] - TOLERANCE, anchor));
-            steep = steep.min(slope(point[1] + TOLERANCE, anchor));
+        if *x > line[anchor][0] {
+            shallow = shallow.max(slope(anchor, y - TOLERANCE));
+            steep = steep.min(slope(anchor, y + TOLERANCE));
         } else {
-            kept.push(point);
-            anchor = point;
+            anchor = index;
+            kept.push(anchor);
         }
-        previous = point;
     }
-    if previous != anchor {
-        kept.push(previous);
-    }
-    kept
+    kept.push(line.len() - 1);
+    kept.dedup();
+    kept.into_iter().map(|index| line[index]).collect()
 }
 
 #[cfg(test)]

@@ -97,7 +97,8 @@ fn markup(run: &Run, id: &str, data: &Data<'_>, view: &View, poses: &Poses<'_>, 
     let camera = translate([0.5 * SIZE[0] - x, data.stage[1] - base]);
     let last = data.frames.len() - 1;
     html! {
-        figure.animation id=(id) hidden tabindex="0" role="group" aria-label={ "Animation of " (run.scenario.name) } {
+        figure.animation id=(id) hidden tabindex="0" data-scenario=(run.scenario.name)
+            aria-label={ "Animation of " (run.scenario.name) } {
             svg.figure.stage viewBox={ "0 0 " (Px(SIZE[0])) " " (Px(SIZE[1])) } preserveAspectRatio="xMidYMid slice"
                 role="img" aria-label="Stick figure of the robot at the time that the slider shows" {
                 g.world transform=(camera) {
@@ -123,7 +124,8 @@ fn markup(run: &Run, id: &str, data: &Data<'_>, view: &View, poses: &Poses<'_>, 
             p.state { "\u{a0}" }
             figcaption {
                 "Marks as in the poses below. Space plays and pauses, \u{2190} and \u{2192} move by a frame (with Shift by ten), Home and End to the ends. \
-                 The vertical line in the charts below shows the time; a click there moves to it."
+                 The vertical line in the charts below shows the time; a click there moves to it, \
+                 and so does #" (run.scenario.name) "@1.50 at the end of this page's address."
             }
             script.frames type="application/json" { (PreEscaped(embedded(data))) }
         }

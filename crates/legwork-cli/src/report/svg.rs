@@ -32,7 +32,7 @@ impl Drawing {
         let [across, down] = [1, 2].map(|k| self.time_axis.map(|axis| pair(axis[k])));
         html! {
             svg class={ "figure " (class) } viewBox={ "0 0 " (Px(self.width)) " " (Px(self.height)) } role="img"
-                aria-label=(self.description) data-time=[seconds] data-across=[across] data-down=[down] {
+                aria-label=(self.description) data-span=[seconds] data-across=[across] data-down=[down] {
                 (self.content)
             }
         }
@@ -173,7 +173,7 @@ fn symbol(key: &Key, x: f64, y: f64, width: f64) -> Markup {
             Symbol::Area => rect class=(key.class) x=(Px(x)) y=(Px(y - 6.0)) width=(Px(width)) height="12" {},
             Symbol::Asterisk => path class={ "mark " (key.class) } d=(asterisk(middle, 6.0)) {},
             Symbol::Dot => circle class=(key.class) cx=(Px(middle[0])) cy=(Px(y)) r="5" {},
-            Symbol::Arrow => path class={ "arrow " (key.class) } d=(arrow([x, y], [x + width, y])) {},
+            Symbol::Arrow => path class={ "arrow " (key.class) } d=(arrow([x, y], [x + width - 3.0, y])) {},
         }
     }
 }

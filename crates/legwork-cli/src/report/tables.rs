@@ -24,7 +24,7 @@ pub(super) fn comparison(run: &Run) -> Markup {
                 "its settings below."
             }
         }
-        div.scroll tabindex="0" role="region" aria-label="Figures of the run" {
+        div.scroll tabindex="0" role="region" aria-label={ "Figures of " (run.scenario.name) } {
             table.comparison {
                 thead {
                     tr {
@@ -156,7 +156,7 @@ pub(super) fn settings(run: &Run) -> Markup {
         return html! { p { "All settings are the defaults." } };
     }
     html! {
-        div.scroll tabindex="0" role="region" aria-label="Settings" {
+        div.scroll tabindex="0" role="region" aria-label={ "Settings of " (run.scenario.name) } {
             table.settings {
                 thead { tr { th scope="col" { "setting" } th scope="col" { "value" } th scope="col" { "default" } th scope="col" { "meaning" } } }
                 tbody {
