@@ -24,8 +24,6 @@ const ACCEPTED_NOISE: f64 = 32.0;
 const VANISHING: f64 = 1e-13;
 /// Largest product of multipliers and errors of the members' equations, relative to the terms of the objective.
 const DUALITY_GAP: f64 = 1e-8;
-/// Violations smaller than this times the size of the terms are looked at again after refinement.
-const DOUBTFUL: f64 = 1e-6;
 /// The value must rise by this times the size of its terms, or the step counts as stalled.
 const PROGRESS: f64 = 1e-14;
 /// A normal is independent without further questions if this part of it, or more, lies outside the span of the working
@@ -75,17 +73,13 @@ impl Search<'_> {
         let mut stalled = 0;
         loop {
             self.drop_negative();
-            let Some((candidate, doubtful)) = self.most_violated() else {
+            let Some(candidate) = self.most_violated() else {
                 if self.refined {
                     return self.conclude();
                 }
                 self.refine();
                 continue;
             };
-            if doubtful && !self.refined {
-                self.refine();
-                continue;
-            }
             let (value, size) = self.set.value();
             if value > highest + PROGRESS * size {
                 highest = value;
@@ -97,7 +91,7 @@ impl Search<'_> {
                 if !self.refined {
                     self.refine();
                 }
-                if self.set.most_negative(self.program).is_some() {
+                if self.set.most_negative().is_some() {
                     self.refresh();
                 }
                 return self.conclude();
@@ -153,9 +147,8 @@ impl Search<'_> {
         shortfall <= ACCEPTED * self.settings.feasibility_tolerance * size + noise
     }
 
-    /// The inequality with the largest shortfall in the scaled program, and whether that is so small that it may be an
-    /// error of the iterate.
-    fn most_violated(&self) -> Option<(Member, bool)> {
+    /// The inequality with the largest shortfall in the scaled program.
+    fn most_violated(&self) -> Option<Member> {
         let program = self.program;
         let y_length = self.set.y_length();
         let mut worst = 0.0;
@@ -171,11 +164,9 @@ impl Search<'_> {
                 continue;
             }
             let member = Member { c, sign };
-            let tolerance = self.tolerance(member, y_length);
-            if shortfall > tolerance {
+            if shortfall > self.tolerance(member, y_length) {
                 worst = shortfall;
-                let doubtful = DOUBTFUL / self.settings.feasibility_tolerance;
-                found = Some((member, shortfall <= doubtful * tolerance));
+                found = Some(member);
             }
         }
         found
@@ -193,7 +184,7 @@ impl Search<'_> {
 
     /// Makes the multipliers of inequalities positive, by dropping.
     fn drop_negative(&mut self) {
-        while let Some(k) = self.set.most_negative(self.program) {
+        while let Some(k) = self.set.most_negative() {
             if !self.refined {
                 self.refine();
                 continue;

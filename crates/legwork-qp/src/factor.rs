@@ -10,7 +10,7 @@
 use crate::linear::{axpy, dot, givens, rotate};
 
 /// A pivot of the Cholesky factorisation of a matrix with a diagonal of order one counts as zero below this times n.
-const PIVOT: f64 = 16.0 * f64::EPSILON;
+const PIVOT: f64 = 64.0 * f64::EPSILON;
 
 #[derive(Clone, Debug)]
 pub(crate) struct Factor {
@@ -316,6 +316,23 @@ mod tests {
         ] {
             factor.matrix_mut().copy_from_slice(&matrix);
             assert_eq!(factor.factorise(&[0.0; 2]), definite, "{matrix:?}");
+        }
+    }
+
+    /// Sums of fewer squares than variables: what rounding errors leave of the last pivots may be positive.
+    #[test]
+    fn rank_deficient_matrices_are_refused() {
+        for rank in 1..5 {
+            for example in 0..20 {
+                let mut factor = Factor::new(N);
+                for i in 0..N {
+                    for j in 0..N {
+                        let product = |k: usize| entry(i + example, k) * entry(j + example, k);
+                        factor.matrix_mut()[i * N + j] = (0..rank).map(product).sum();
+                    }
+                }
+                assert!(!factor.factorise(&[0.0; N]), "rank {rank}, example {example}");
+            }
         }
     }
 }

@@ -57,7 +57,7 @@
 //! # What is not there
 //!
 //! **No regularisation.** If the scaled `H` is not positive definite (a pivot of its Cholesky factorisation is below
-//! 16 n ε), the squares of the equalities are added, once: `H + Âᵀ Â` and `g − Âᵀ b̂` in place of `H` and `g`, with the scaled
+//! 64 n ε), the squares of the equalities are added, once: `H + Âᵀ Â` and `g − Âᵀ b̂` in place of `H` and `g`, with the scaled
 //! equality rows and fixed variables. On the feasible set this adds a constant to the objective, so optimum and
 //! multipliers stay those of the program as given. [`Solver::convexified`] tells. If that is not positive definite
 //! either: [`Status::NotConvex`].

@@ -9,9 +9,6 @@ use crate::scale::{Kind, Scaled};
 
 /// A normal is dependent if what the members leave of it is below this times what cancelled.
 const DEPENDENT: f64 = 1e-11;
-/// Multipliers are zero below this times the largest number in the stationarity condition.
-const ZERO_MULTIPLIER: f64 = 64.0 * f64::EPSILON;
-
 /// A constraint and the sign of the side at which it holds.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Member {
@@ -249,10 +246,9 @@ impl WorkingSet {
         }
     }
 
-    /// The inequality with the most negative multiplier, if any is negative beyond rounding errors.
-    pub(crate) fn most_negative(&self, program: &Scaled) -> Option<usize> {
-        let size = max_abs(&self.multipliers).max(max_abs(&program.gradient));
-        let mut worst = -ZERO_MULTIPLIER * size;
+    /// The inequality with the most negative multiplier, if any is negative.
+    pub(crate) fn most_negative(&self) -> Option<usize> {
+        let mut worst = 0.0;
         let mut position = None;
         for (k, &multiplier) in self.multipliers.iter().enumerate().skip(self.equalities) {
             if multiplier < worst {

@@ -22,6 +22,7 @@ fn solved(p: &Problem) -> Solver {
     let mut solver = Solver::new(p.n(), p.m());
     assert_eq!(solver.solve(p), Status::Optimal);
     kkt_below(p, &solver, 1e-14).unwrap();
+    assert_eq!(solver.defect(), None);
     solver
 }
 
@@ -132,6 +133,16 @@ fn contradictory_equality_rows() {
     let expected = [(0, Side::Upper), (1, Side::Lower), (2, Side::Lower)];
     assert_eq!(found, expected.map(|(i, side)| (Constraint::Row(i), side)));
     assert_near(&conflict.iter().map(|c| c.weight).collect::<Vec<_>>(), &[1.0, 0.5, 0.5]);
+}
+
+#[test]
+fn equality_rows_may_disagree_by_rounding_errors() {
+    for (error, expected) in [(1e-12, Status::Optimal), (5e-10, Status::Optimal), (2e-9, Status::Infeasible)] {
+        let second = 4.0 * (1.0 + error);
+        let rows: [(&[f64], f64, f64); 2] = [(&[1.0, 1.0], 2.0, 2.0), (&[2.0, 2.0], second, second)];
+        let p = program(ONE, &[0.0, 0.0], &rows);
+        assert_eq!(Solver::new(2, 2).solve(&p), expected, "{error:e}");
+    }
 }
 
 #[test]
@@ -259,7 +270,12 @@ fn invalid_input_says_where() {
         p.hessian_mut()[0] = h;
         p.gradient_mut()[0] = g;
     };
+    let row_of_infinities = |p: &mut Problem| {
+        p.hessian_mut()[0] = 1e-30;
+        p.row_mut(0)[0] = 1e300;
+    };
     // In the scaled program, and in its solution.
+    assert_eq!(defect(&|p| row_of_infinities(p)), Defect::Overflow);
     assert_eq!(defect(&|p| tiny_and_huge(p, 1e-30, 1e300)), Defect::Overflow);
     assert_eq!(defect(&|p| tiny_and_huge(p, 1e-200, 1e200)), Defect::Overflow);
     let size = Defect::WrongSize { expected: (2, 1), found: (3, 1) };

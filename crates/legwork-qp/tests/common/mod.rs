@@ -44,10 +44,19 @@ impl Random {
     }
 }
 
-/// Relative KKT residuals of the solver's answer are all below `tolerance`, or a message.
+/// Relative KKT residuals of the solver's answer are all below `tolerance`, bounds and the signs of multipliers hold
+/// exactly; or a message.
 pub fn kkt_below(problem: &Problem, solver: &Solver, tolerance: f64) -> Result<(), String> {
     let residuals = problem.kkt(solver.x(), solver.row_multipliers(), solver.bound_multipliers());
-    if residuals.worst_relative() < tolerance { Ok(()) } else { Err(format!("{residuals:?}")) }
+    if residuals.worst_relative() >= tolerance || residuals.dual.absolute > 0.0 {
+        return Err(format!("{residuals:?}"));
+    }
+    for (j, x) in solver.x().iter().enumerate() {
+        if *x < problem.lower()[j] || *x > problem.upper()[j] {
+            return Err(format!("variable {j} is {x}"));
+        }
+    }
+    Ok(())
 }
 
 /// Is the conflict a proof, from the problem's own data?
