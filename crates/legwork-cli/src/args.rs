@@ -4,6 +4,29 @@ use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 
+const RUN_HELP: &str = "\
+Examples:
+  legwork run walk push --report report.html
+  legwork run push --set pushes.0.force_n=600 --set ground.friction=0.5 --json
+  legwork show push > my-push.toml
+  legwork run my-push.toml --log my-push.parquet --plots figures
+
+With several scenarios, --log puts each one's name into the file's name.
+
+Exit code: 0 done (a fall is a result), 1 a file could not be read or written,
+or a fall under --expect-standing, 2 wrong invocation or input, 130 interrupted
+(Ctrl-C keeps what was simulated so far).";
+
+const INSPECT_HELP: &str = "\
+Examples:
+  legwork inspect planar_humanoid
+  legwork inspect robot.urdf --base floating --json
+  legwork inspect planar_humanoid --state state.json
+
+A state is {\"q\": [...], \"v\": [...]}; q_names and v_names of --json give the order.
+A floating base has q = quaternion w x y z, then position x y z, and
+v = angular, then linear velocity in the body's frame.";
+
 /// Finds out what a biped's controller can survive, and why it fell.
 ///
 /// Without a command: runs the thesis's two experiments, prints each published figure beside the measured one, and
@@ -12,7 +35,7 @@ use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 #[command(
     name = "legwork",
     version,
-    after_help = "Example: legwork run push --set pushes.0.force_n=500 --report push.html"
+    after_help = "Example:\n  legwork run push --set pushes.0.force_n=600 --report push.html"
 )]
 pub(crate) struct Args {
     #[command(subcommand)]
@@ -23,20 +46,16 @@ pub(crate) struct Args {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Simulate scenarios and print their figures beside the thesis's
-    #[command(
-        after_help = "Examples:\n  legwork run walk push --report report.html\n  legwork run push --set pushes.0.force_n=655 --set controller.limits.torque_nm=200 --json\n  legwork run my-scenario.toml --log run.parquet\n\nWith several scenarios, --log and --plots put each one's name into the file names.\nExit code: 0 done (a fall is a result), 1 a file could not be read or written, or a fall under --expect-standing, 2 wrong invocation."
-    )]
+    #[command(after_help = RUN_HELP)]
     Run(RunArgs),
     /// List models, scenarios, and every setting with unit, default, range and source
-    #[command(after_help = "Example: legwork list settings")]
+    #[command(after_help = "Example:\n  legwork list settings")]
     List(ListArgs),
     /// Print a scenario with all its settings, as a file that can be saved and run
-    #[command(after_help = "Example: legwork show push > my-push.toml")]
+    #[command(after_help = "Example:\n  legwork show push > my-push.toml")]
     Show(ShowArgs),
     /// Show a robot model (TOML or URDF): tree, masses, limits, contacts, warnings; with a state also its dynamics
-    #[command(
-        after_help = "Examples:\n  legwork inspect planar_humanoid\n  legwork inspect robot.urdf --base floating --state state.json --json\n\nA state is {\"q\": [...], \"v\": [...]}; the names in q_names and v_names give the order. A floating base has q = quaternion w x y z, then position x y z, and v = angular, then linear velocity in the body's frame."
-    )]
+    #[command(after_help = INSPECT_HELP)]
     Inspect(InspectArgs),
 }
 
@@ -61,7 +80,7 @@ pub(crate) struct RunArgs {
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(crate) sets: Vec<String>,
     /// Simulated time in seconds, instead of the scenario's
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub(crate) duration: Option<String>,
     /// Write one record a control tick to a .csv or .parquet file
     #[arg(long, value_name = "FILE")]

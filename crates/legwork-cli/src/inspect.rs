@@ -10,7 +10,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use crate::args::{BaseArg, InspectArgs};
-use crate::output::{Failure, Output};
+use crate::output::{Failure, Output, folded};
 
 /// A quaternion whose norm is further from one than this is refused.
 const UNIT_TOLERANCE: f64 = 1e-6;
@@ -40,19 +40,21 @@ pub(crate) fn inspect(options: &InspectArgs, output: &mut Output) -> Result<(), 
     output.line(model_text(&model))?;
     if state.is_some() {
         for key in DYNAMICS_KEYS {
-            output.line(format!("{key}:\n{}", value_text(&object[*key])))?;
+            output.line(keyed_text(key, &object[*key]))?;
         }
     }
     Ok(())
 }
 
 fn read_state(path: &Path, model: &Model) -> Result<State, Error> {
-    let text = std::fs::read_to_string(path).map_err(|error| Error::io(path, &error))?;
+    let bytes = std::fs::read(path).map_err(|error| Error::io(path, &error))?;
     let place = path.display().to_string();
-    let state: State = serde_json::from_str(&text).map_err(|error| {
-        let problem =
-            format!("{error}; a state is {{\"q\": [{} numbers], \"v\": [{} numbers]}}", model.nq(), model.nv());
-        Error::invalid(format!("{place}:{}", error.line()), problem)
+    let state: State = serde_json::from_slice(&bytes).map_err(|error| {
+        let text = error.to_string();
+        let what = if error.is_data() { "" } else { "not JSON: " };
+        let found = text.split(" at line ").next().unwrap_or(&text);
+        let valid = format!("a state is {{\"q\": [{} numbers], \"v\": [{} numbers]}}", model.nq(), model.nv());
+        Error::invalid(format!("{place}:{}:{}", error.line(), error.column()), format!("{what}{found}; {valid}"))
     })?;
     for (key, found, names) in [("q", state.q.len(), model.q_names()), ("v", state.v.len(), model.v_names())] {
         if found != names.len() {
@@ -62,7 +64,7 @@ fn read_state(path: &Path, model: &Model) -> Result<State, Error> {
     }
     for (key, values) in [("q", &state.q), ("v", &state.v)] {
         if let Some(index) = values.iter().position(|value| !value.is_finite() || value.abs() > 1e9) {
-            let problem = format!("found {}; a number within ±1e9 would be valid", values[index]);
+            let problem = format!("found {:?}; valid is a number from -1e9 to 1e9", values[index]);
             return Err(Error::invalid(format!("{place}: {key}[{index}]"), problem));
         }
     }
@@ -217,8 +219,8 @@ fn joint_type(joint: &Joint) -> &'static str {
 }
 
 fn model_text(model: &Model) -> String {
-    let mut text = format!(
-        "{}: {} base, {} degrees of freedom ({} actuated), {:.3} kg, gravity {} m/s2\n\nbodies\n",
+    let headline = format!(
+        "{}: {} base, {} degrees of freedom ({} actuated), {:.3} kg, gravity {} m/s²",
         model.name,
         format!("{:?}", model.base).to_lowercase(),
         model.nv(),
@@ -226,53 +228,71 @@ fn model_text(model: &Model) -> String {
         model.total_mass(),
         model.gravity
     );
+    let mut text = folded(&headline, 2) + "\n\nbodies\n";
     for (index, body) in model.bodies.iter().enumerate() {
         let depth = std::iter::successors(model.bodies[index].parent, |&parent| model.bodies[parent].parent).count();
         let name = format!("{}{}", "  ".repeat(depth), body.name);
         text += &format!("  {name:<36} {:>9.3} kg   by {} ({})\n", body.mass, body.joint_name, joint_type(&body.joint));
     }
-    text += "\njoints                         lower        upper     max torque    damping\n";
+    text += &format!("\n{:<24}{:>12}{:>12}{:>11}{:>9}\n", "joints", "lower", "upper", "max effort", "damping");
     for dof in &model.dofs {
-        let (scale, unit) = if dof.rotational { (180.0 / std::f64::consts::PI, "deg") } else { (1.0, "m") };
-        let limit = |value: f64| if value.is_finite() { format!("{:.1} {unit}", value * scale) } else { "free".into() };
-        let torque = if dof.effort_limit.is_finite() { format!("{} Nm", dof.effort_limit) } else { "-".into() };
+        let position = |value: f64| match dof.rotational {
+            _ if !value.is_finite() => "free".to_owned(),
+            true => format!("{:.1} deg", value.to_degrees()),
+            false => format!("{value:.3} m"),
+        };
+        let effort = match dof.effort_limit {
+            limit if !limit.is_finite() => "-".to_owned(),
+            limit => format!("{limit} {}", if dof.rotational { "Nm" } else { "N" }),
+        };
         text += &format!(
-            "  {:<22} {:>12} {:>12} {:>12} {:>10}   {}\n",
+            "  {:<22}{:>12}{:>12}{effort:>11}{:>9}{}\n",
             dof.name,
-            limit(dof.lower),
-            limit(dof.upper),
-            torque,
+            position(dof.lower),
+            position(dof.upper),
             dof.damping,
-            if dof.actuated { "actuated" } else { "" }
+            if dof.actuated { "" } else { "  passive" }
         );
     }
     text += "\ncontact points\n";
     for contact in &model.contacts {
         let p = contact.position;
-        text += &format!(
-            "  {:<22} on {} at ({}, {}, {}) m, foot {}\n",
-            contact.name, model.bodies[contact.body].name, p.x, p.y, p.z, model.feet[contact.foot]
+        let body = &model.bodies[contact.body].name;
+        let line = format!(
+            "  {:<22} on {body} at ({}, {}, {}) m, foot {}",
+            contact.name, p.x, p.y, p.z, model.feet[contact.foot]
         );
+        text += &(folded(&line, 25) + "\n");
     }
     if model.contacts.is_empty() {
         text += "  none\n";
     }
     for warning in model.warnings() {
-        text += &format!("\nwarning: {warning}");
+        text += &folded(&format!("\nwarning: {warning}"), 2);
     }
     text
 }
 
-/// Rows of numbers in columns; contacts as JSON.
+/// Rows of numbers in columns, objects key by key.
 fn value_text(value: &Value) -> String {
+    let lines = |parts: Vec<String>| parts.join("\n");
     match value {
-        Value::Array(rows) if rows.iter().all(Value::is_array) => {
-            rows.iter().map(value_text).collect::<Vec<_>>().join("\n")
+        Value::Array(numbers) if numbers.iter().all(Value::is_number) => numbers
+            .iter()
+            .filter_map(Value::as_f64)
+            // Without the sign of a zero
+            .map(|number| format!("{:>11.4}", (number * 1e4).round() / 1e4 + 0.0))
+            .collect(),
+        Value::Array(items) => lines(items.iter().map(value_text).collect()),
+        Value::Object(object) => {
+            lines(object.iter().map(|(key, value)| format!("  {}", keyed_text(key, value))).collect())
         }
-        Value::Array(numbers) if numbers.iter().all(Value::is_number) => {
-            numbers.iter().map(|n| format!("{:>13.6}", n.as_f64().unwrap_or(0.0))).collect()
-        }
-        Value::Array(items) => items.iter().map(|item| format!("  {item}")).collect::<Vec<_>>().join("\n"),
-        other => format!("  {other}"),
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
     }
+}
+
+fn keyed_text(key: &str, value: &Value) -> String {
+    let between = if value.is_array() { "\n" } else { " " };
+    format!("{key}:{between}{}", value_text(value))
 }

@@ -1,12 +1,13 @@
 //! `legwork list` and `legwork show`: what there is and what can be set.
 
+use legwork::scenario::Scenario;
 use legwork::settings::{SETTINGS, Setting};
 use legwork::{library, scenario_file};
 use legwork_rbd::Model;
 use serde_json::{Value, json};
 
 use crate::args::{ListArgs, Listing, ShowArgs};
-use crate::output::{Failure, Output};
+use crate::output::{Failure, Output, folded};
 
 pub(crate) fn list(options: &ListArgs, output: &mut Output) -> Result<(), Failure> {
     let wanted = |listing| options.what.is_none_or(|what| what == listing);
@@ -26,8 +27,8 @@ pub(crate) fn list(options: &ListArgs, output: &mut Output) -> Result<(), Failur
             scenarios.iter().map(|s| json!({ "name": s.name, "description": s.description })).collect(),
         );
         let width = scenarios.iter().map(|s| s.name.len()).max().unwrap_or(0);
-        sections
-            .push(("scenarios", scenarios.iter().map(|s| format!("{:<width$}  {}", s.name, s.description)).collect()));
+        let line = |s: &Scenario| folded(&format!("  {:<width$}  {}", s.name, s.description), width + 4);
+        sections.push(("scenarios", scenarios.iter().map(line).collect()));
     }
     if wanted(Listing::Settings) {
         object.insert("settings".into(), SETTINGS.iter().map(setting_json).collect());
@@ -39,7 +40,7 @@ pub(crate) fn list(options: &ListArgs, output: &mut Output) -> Result<(), Failur
     for (title, lines) in sections {
         output.line(title)?;
         for line in lines {
-            output.line(format!("  {line}"))?;
+            output.line(line)?;
         }
         output.line("")?;
     }
@@ -52,7 +53,7 @@ fn builtin_model(name: &str) -> Result<Model, legwork::error::Error> {
 
 fn model_line(model: &Model) -> String {
     format!(
-        "{}  {:.1} kg, {} degrees of freedom, {} actuated, {} contact points",
+        "  {}  {:.1} kg, {} degrees of freedom, {} actuated, {} contact points",
         model.name,
         model.total_mass(),
         model.nv(),
@@ -77,14 +78,9 @@ fn default_text(setting: &Setting) -> String {
 
 fn setting_lines(setting: &Setting) -> String {
     let symbol = if setting.symbol.is_empty() { String::new() } else { format!(" ({})", setting.symbol) };
-    format!(
-        "{}{symbol} = {}\n      {}\n      valid: {}; source: {}",
-        setting.path,
-        default_text(setting),
-        setting.help,
-        setting.valid_in_words(),
-        setting.source
-    )
+    let heading = format!("  {}{symbol} = {}", setting.path, default_text(setting));
+    let valid = format!("valid: {}; source: {}", setting.valid_in_words(), setting.source);
+    [heading, format!("      {}", setting.help), format!("      {valid}")].map(|line| folded(&line, 6)).join("\n")
 }
 
 fn setting_json(setting: &Setting) -> Value {
@@ -101,5 +97,5 @@ fn setting_json(setting: &Setting) -> Value {
 
 pub(crate) fn show(options: &ShowArgs, output: &mut Output) -> Result<(), Failure> {
     let loaded = scenario_file::load(&options.scenario, &options.sets)?;
-    output.line(scenario_file::to_toml(&loaded.scenario).trim_end())
+    output.line(scenario_file::to_toml(&loaded.portable()).trim_end())
 }

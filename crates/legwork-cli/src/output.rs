@@ -1,10 +1,14 @@
-//! Writing to stdout without a panic, and what can go wrong on the way to an exit code.
+//! Writing to stdout and to files without a panic or a half file, and what can go wrong on the way to an exit code.
 
 use std::fmt;
-use std::io::{self, BufWriter, Stdout, Write};
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, ErrorKind, Stdout, Write};
 use std::path::{Path, PathBuf};
 
 use legwork::error::Error;
+
+/// Columns of a terminal that everything fits into.
+const WIDTH: usize = 80;
 
 /// Why the program ends with an error.
 #[derive(Debug)]
@@ -16,11 +20,15 @@ pub(crate) enum Failure {
         /// Where to.
         path: PathBuf,
         /// What went wrong.
-        error: io::Error,
+        problem: String,
     },
 }
 
 impl Failure {
+    fn output(path: impl Into<PathBuf>, problem: impl fmt::Display) -> Self {
+        Self::Output { path: path.into(), problem: problem.to_string() }
+    }
+
     /// 1 where the operating system is at fault, else 2.
     pub(crate) fn code(&self) -> u8 {
         match self {
@@ -34,10 +42,7 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Input(error) => write!(f, "{error}"),
-            Self::Output { path, error } if error.kind() == io::ErrorKind::BrokenPipe => {
-                write!(f, "{}: closed before everything was written", path.display())
-            }
-            Self::Output { path, error } => write!(f, "{}: cannot be written: {error}", path.display()),
+            Self::Output { path, problem } => write!(f, "{}: cannot be written: {problem}", path.display()),
         }
     }
 }
@@ -72,7 +77,10 @@ impl Output {
 }
 
 fn on_stdout(error: io::Error) -> Failure {
-    Failure::Output { path: "stdout".into(), error }
+    match error.kind() {
+        ErrorKind::BrokenPipe => Failure::output("stdout", "closed by its reader"),
+        _ => Failure::output("stdout", error),
+    }
 }
 
 /// Says something on stderr; a closed stderr hears nothing.
@@ -80,14 +88,79 @@ pub(crate) fn say(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
 }
 
-/// Writes `content` to `path` through a temporary file beside it, so that a failure leaves no half file.
-pub(crate) fn write_file(path: &Path, content: &str) -> Result<(), Failure> {
-    let fail = |error| Failure::Output { path: path.to_owned(), error };
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    if path.is_dir() || name.is_empty() {
-        return Err(fail(io::Error::new(io::ErrorKind::IsADirectory, "is a folder, expected a file name")));
+/// The text in lines that fit a terminal; all but the first are indented.
+pub(crate) fn folded(text: &str, indent: usize) -> String {
+    let (mut lines, mut column) = (String::new(), 0);
+    for (index, word) in text.split(' ').enumerate() {
+        let width = word.chars().count();
+        if column + 1 + width > WIDTH {
+            lines += &format!("\n{:indent$}", "");
+            column = indent;
+        } else if index > 0 {
+            lines.push(' ');
+            column += 1;
+        }
+        lines += word;
+        column += width;
     }
-    name.push(".partial");
-    let partial = path.with_file_name(name);
-    std::fs::write(&partial, content).and_then(|()| std::fs::rename(&partial, path)).map_err(fail)
+    lines
+}
+
+/// Finds out whether a file can be written at `path`, before the work that it is for.
+pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
+    let tried = match path.metadata() {
+        Ok(found) if found.is_dir() => return Err(Failure::output(path, "is a folder; give the name of a file")),
+        Ok(found) if found.is_file() => OpenOptions::new().append(true).open(path).map(drop),
+        // A device, or a pipe, which could not be opened without waiting for its reader.
+        Ok(_) => Ok(()),
+        Err(_) if path.is_symlink() => Ok(()),
+        Err(_) => File::create(path).and_then(|_| fs::remove_file(path)),
+    };
+    tried.map_err(|error| match error.kind() {
+        ErrorKind::NotFound => Failure::output(path, "its folder does not exist"),
+        _ => Failure::output(path, error),
+    })
+}
+
+/// Has `write` make the file at `path`: under another name beside it, which takes its place once all is written, so
+/// that a failure harms nothing. A device or a pipe is written to directly.
+pub(crate) fn write_file(path: &Path, write: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Failure> {
+    let write = |path_now: &Path| {
+        write(path_now).map_err(|error| match error {
+            Error::Io { problem, .. } => Failure::output(path, problem),
+            other => Failure::Input(other),
+        })
+    };
+    if path.metadata().is_ok_and(|found| !found.is_file()) {
+        return write(path);
+    }
+    // A link stays one: the file that it leads to is replaced.
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let ending = target.extension().unwrap_or_default().to_string_lossy();
+    let partial = target.with_file_name(format!(".legwork-{}.{ending}", std::process::id()));
+    let moved = |()| fs::rename(&partial, &target).map_err(|error| Failure::output(path, error));
+    let written = write(&partial).and_then(moved);
+    if written.is_err() {
+        let _ = fs::remove_file(&partial);
+    }
+    written
+}
+
+/// Writes a text as [`write_file`] does.
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
+    write_file(path, |path| fs::write(path, text).map_err(|error| Error::io(path, &error)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::folded;
+
+    #[test]
+    fn long_lines_are_folded_between_words() {
+        assert_eq!(folded("  short  text", 4), "  short  text");
+        let text = folded(&["word"; 40].join(" "), 4);
+        assert_eq!(text.lines().map(str::len).collect::<Vec<_>>(), [79, 78, 48]);
+        assert!(text.lines().skip(1).all(|line| line.starts_with("    word")), "{text}");
+        assert_eq!(folded(&format!("a {}", "x".repeat(99)), 2), format!("a\n  {}", "x".repeat(99)));
+    }
 }

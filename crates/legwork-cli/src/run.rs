@@ -1,17 +1,20 @@
 //! `legwork run`: scenarios to tables, JSON, logs, reports.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use legwork::episode::{self, Outcome, Run};
+use legwork::episode::{Episode, Outcome, Run};
 use legwork::error::Error;
-use legwork::{library, log_file, scenario_file};
+use legwork::scenario::Scenario;
+use legwork::{episode, log_file, scenario_file};
+use legwork_rbd::Model;
 
 use crate::args::RunArgs;
-use crate::output::{Failure, Output, say, write_file};
+use crate::output::{Failure, Output, check_writable, say, write_file, write_text};
 use crate::{report, summary};
 
 /// Whether Ctrl-C was pressed.
@@ -22,94 +25,104 @@ const PATIENCE: Duration = Duration::from_secs(2);
 
 pub(crate) fn run(options: &RunArgs, output: &mut Output) -> Result<ExitCode, Failure> {
     // Wrong files and unwritable places are found before anything runs.
-    if let Some(path) = &options.log {
-        log_file::Format::of(path)?;
-    }
-    let prepared: Vec<_> = options.scenarios.iter().map(|name| prepare(name, options)).collect::<Result<_, _>>()?;
-    for path in [&options.log, &options.report].into_iter().flatten() {
-        check_parent(path)?;
-    }
-    if let Some(folder) = &options.plots {
-        std::fs::create_dir_all(folder).map_err(|error| Failure::Output { path: folder.clone(), error })?;
-    }
+    let jobs = jobs(options)?;
+    check_outputs(options, &jobs)?;
     // A second handler in one process cannot be set; then Ctrl-C just ends the program.
-    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
-
-    let mut runs: Vec<Run> = Vec::new();
-    for prepared in prepared {
-        let bar = progress(&prepared.scenario.name, prepared.scenario.duration_s);
-        let begin = Instant::now();
-        let run = episode::run(&prepared.scenario, &prepared.model, &prepared.samples, |time| {
-            if begin.elapsed() > PATIENCE {
-                bar.set_position((time * 1e3) as u64);
-            }
-            STOP.load(Ordering::Relaxed)
-        })?;
-        bar.finish_and_clear();
-        if options.json {
-            output.line(summary::json(&run))?;
-        } else {
-            output.line(summary::text(&run))?;
+    let _ = ctrlc::set_handler(|| {
+        if STOP.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(INTERRUPTED));
         }
+    });
+
+    let (mut fell, mut reported, mut printed) = (false, Vec::new(), Ok(()));
+    for job in &jobs {
+        let run = job.run()?;
+        let text = if options.json { summary::json(&run).to_string() } else { summary::text(&run) };
+        printed = output.line(text).and_then(|()| output.flush());
         for violation in run.audit.violations() {
             say(&format!("warning: {}: the simulation broke its own bounds: {violation}", run.scenario.name));
         }
-        runs.push(run);
-        if STOP.load(Ordering::Relaxed) {
-            say("interrupted; what was simulated so far is kept");
+        job.write_files(&run, options)?;
+        fell |= matches!(run.outcome, Outcome::Fell(_));
+        if options.report.is_some() {
+            reported.push(run);
+        }
+        if printed.is_err() || interrupted() {
             break;
         }
     }
-    output.flush()?;
-    write_files(options, &runs)?;
-    let fell = runs.iter().any(|run| matches!(run.outcome, Outcome::Fell(_)));
-    let stopped = runs.iter().any(|run| run.outcome == Outcome::Stopped);
-    Ok(if stopped {
-        ExitCode::from(130)
-    } else if fell && options.expect_standing {
-        ExitCode::from(1)
-    } else {
-        ExitCode::SUCCESS
+    if interrupted() {
+        say("interrupted; what was simulated so far is kept");
+    }
+    if let Some(path) = &options.report {
+        write_text(path, &report::html(&reported))?;
+        say(&format!("report: {}", path.display()));
+    }
+    printed?;
+    Ok(match (interrupted(), fell && options.expect_standing) {
+        (true, _) => ExitCode::from(INTERRUPTED),
+        (false, true) => ExitCode::from(1),
+        (false, false) => ExitCode::SUCCESS,
     })
 }
 
-struct Prepared {
-    scenario: legwork::scenario::Scenario,
-    model: legwork_rbd::Model,
-    samples: Vec<[f64; 3]>,
+/// Exit code after Ctrl-C, as shells have it: 128 and the number of the signal.
+const INTERRUPTED: u8 = 130;
+
+fn interrupted() -> bool {
+    STOP.load(Ordering::Relaxed)
 }
 
-/// Reads a scenario and what it names, and takes its start pose, so that mistakes show before anything runs.
-fn prepare(name: &str, options: &RunArgs) -> Result<Prepared, Error> {
+/// A scenario with all that it names.
+struct Job {
+    scenario: Scenario,
+    model: Model,
+    samples: Vec<[f64; 3]>,
+    /// Its name, made different from those of the other jobs.
+    label: String,
+    log: Option<PathBuf>,
+}
+
+/// Reads the scenarios and what they name, and takes their start poses, so that mistakes show before anything runs.
+fn jobs(options: &RunArgs) -> Result<Vec<Job>, Error> {
+    let mut jobs: Vec<Job> = Vec::new();
+    for name in &options.scenarios {
+        let mut job = prepare(name, options)?;
+        let name = job.label.clone();
+        for number in 2.. {
+            if jobs.iter().all(|other| other.label != job.label) {
+                break;
+            }
+            job.label = format!("{name}-{number}");
+        }
+        let several = options.scenarios.len() > 1;
+        job.log = options.log.as_ref().map(|path| if several { with_name(path, &job.label) } else { path.clone() });
+        jobs.push(job);
+    }
+    Ok(jobs)
+}
+
+fn prepare(name: &str, options: &RunArgs) -> Result<Job, Error> {
     let mut sets = options.sets.clone();
     sets.extend(options.duration.iter().map(|duration| format!("duration_s={duration}")));
-    let loaded = scenario_file::load(name, &sets)?;
-    let model = library::load_model(&loaded.scenario.model, loaded.folder.as_deref())?;
-    let file = &loaded.scenario.reference.com.file;
-    let samples = if file.is_empty() { Vec::new() } else { library::load_samples(&loaded.resolve_path(file))? };
-    episode::Episode::new(&loaded.scenario, &model, &samples)?;
-    Ok(Prepared { scenario: loaded.scenario, model, samples })
+    let loaded = scenario_file::load(name, &sets).map_err(|error| as_typed(error, name, options))?;
+    let (model, samples) = (loaded.model()?, loaded.samples()?);
+    Episode::new(&loaded.scenario, &model, &samples).map_err(|error| loaded.locate(error))?;
+    let label = loaded.scenario.name.clone();
+    Ok(Job { scenario: loaded.scenario, model, samples, label, log: None })
 }
 
-fn write_files(options: &RunArgs, runs: &[Run]) -> Result<(), Failure> {
-    for run in runs {
-        if let Some(path) = &options.log {
-            let path = if options.scenarios.len() > 1 { with_name(path, &run.scenario.name) } else { path.clone() };
-            log_file::write(run, &path)?;
-            say(&format!("log: {}", path.display()));
+/// `--duration` goes the way of a `--set`, but should not be called one; of several scenarios, the one is named.
+fn as_typed(error: Error, name: &str, options: &RunArgs) -> Error {
+    match error {
+        Error::Invalid { place, problem } if place == "--set duration_s" && options.duration.is_some() => {
+            Error::invalid("--duration", problem)
         }
-        if let Some(folder) = &options.plots {
-            for (name, svg) in report::plots(run) {
-                write_file(&folder.join(name), &svg)?;
-            }
-            say(&format!("plots: {}", folder.display()));
+        Error::Invalid { place, problem } if place.starts_with("--set ") && options.scenarios.len() > 1 => {
+            Error::invalid(format!("{place} of {name}"), problem)
         }
+        other => other,
     }
-    if let Some(path) = &options.report {
-        write_file(path, &report::html(runs))?;
-        say(&format!("report: {}", path.display()));
-    }
-    Ok(())
 }
 
 /// `run.csv` to `run-walk.csv`.
@@ -119,20 +132,71 @@ fn with_name(path: &Path, name: &str) -> PathBuf {
     path.with_file_name(format!("{stem}-{name}.{ending}"))
 }
 
-/// The folder of a file to be written must exist.
-fn check_parent(path: &Path) -> Result<(), Failure> {
-    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if parent.is_dir() {
-        return Ok(());
+fn check_outputs(options: &RunArgs, jobs: &[Job]) -> Result<(), Failure> {
+    if let Some(path) = &options.log {
+        log_file::Format::of(path)?;
     }
-    let error = std::io::Error::new(std::io::ErrorKind::NotFound, format!("no folder {}", parent.display()));
-    Err(Failure::Output { path: path.to_owned(), error })
+    let logs = || jobs.iter().filter_map(|job| job.log.as_deref());
+    for path in logs().chain(options.report.as_deref()) {
+        check_writable(path)?;
+    }
+    let taken = |report: &Path| options.scenarios.iter().map(Path::new).chain(logs()).any(|path| path == report);
+    if let Some(report) = options.report.as_deref().filter(|report| taken(report)) {
+        let problem = format!("found {}, which is a scenario's or a log's file; give another", report.display());
+        return Err(Error::invalid("--report", problem).into());
+    }
+    if let Some(folder) = &options.plots {
+        let problem = |error: std::io::Error| {
+            if folder.exists() { "is a file; give the name of a folder".to_owned() } else { error.to_string() }
+        };
+        std::fs::create_dir_all(folder)
+            .map_err(|error| Failure::Output { path: folder.clone(), problem: problem(error) })?;
+    }
+    Ok(())
+}
+
+impl Job {
+    fn run(&self) -> Result<Run, Error> {
+        let bar = progress(&self.label, self.scenario.duration_s);
+        let begin = Instant::now();
+        let run = episode::run(&self.scenario, &self.model, &self.samples, |time| {
+            if begin.elapsed() > PATIENCE {
+                bar.set_position((time * 1e3) as u64);
+            }
+            interrupted()
+        });
+        bar.finish_and_clear();
+        run
+    }
+
+    fn write_files(&self, run: &Run, options: &RunArgs) -> Result<(), Failure> {
+        if let Some(path) = &self.log {
+            write_file(path, |path| log_file::write(run, path))?;
+            say(&format!("log: {}", path.display()));
+        }
+        if let Some(folder) = &options.plots {
+            for (name, svg) in report::plots(&self.labelled(run)) {
+                write_text(&folder.join(name), &svg)?;
+            }
+            say(&format!("plots: {}", folder.display()));
+        }
+        Ok(())
+    }
+
+    /// The run under the job's label, which names its plots.
+    fn labelled<'a>(&self, run: &'a Run) -> Cow<'a, Run> {
+        let mut run = Cow::Borrowed(run);
+        if run.scenario.name != self.label {
+            run.to_mut().scenario.name.clone_from(&self.label);
+        }
+        run
+    }
 }
 
 /// A bar on a terminal, which stays hidden until it is moved.
 fn progress(name: &str, duration: f64) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some((duration * 1e3) as u64), ProgressDrawTarget::stderr());
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {percent} % of the time simulated, {eta} left");
+    let style = ProgressStyle::with_template("{msg} {bar:30} {percent} % simulated, {eta} left");
     bar.set_style(style.expect("the template is valid"));
     bar.set_message(name.to_owned());
     bar

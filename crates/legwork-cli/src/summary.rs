@@ -2,47 +2,67 @@
 
 use legwork::episode::{Outcome, Run};
 use legwork::metrics::MeanPeak;
-use legwork::published;
+use legwork::published::{self, Row};
+use legwork::scenario::Scenario;
+use legwork::scenario_file;
 use serde_json::{Value, json};
+
+use crate::output::folded;
 
 /// Outcome and table: each figure of the thesis beside the measured one.
 pub(crate) fn text(run: &Run) -> String {
-    let name = &run.scenario.name;
-    let mut text = match &run.outcome {
-        Outcome::Completed => format!("{name}: stood for {} s", run.scenario.duration_s),
-        Outcome::Fell(_) => format!("{name}: {}", run.reason.as_deref().unwrap_or("fell")),
-        Outcome::Stopped => format!("{name}: stopped at {:.2} s", simulated(run)),
+    let Scenario { name, duration_s: duration, .. } = &run.scenario;
+    let outcome = match &run.outcome {
+        Outcome::Completed => format!("completed {duration} s"),
+        Outcome::Fell(_) => run.reason.clone().unwrap_or_else(|| "fell".to_owned()),
+        Outcome::Stopped => format!("stopped at {:.2} s of {duration} s", simulated(run)),
     };
-    let rows = published::compare(name, &run.metrics);
+    let rows: Vec<Row> = published::compare(name, &run.metrics)
+        .into_iter()
+        .filter(|row| row.measured.is_some() || row.published.is_some())
+        .collect();
     let known = rows.iter().any(|row| row.published.is_some());
-    text += &format!("\n  {:<34}{:>21}", "", "measured");
-    if known {
-        text += &format!("{:>23}", "thesis");
-    }
-    text += &format!("\n  {:<34}{:>11}{:>10}", "", "mean", "peak");
-    if known {
-        text += &format!("{:>13}{:>10}", "mean", "peak");
-    }
-    for row in rows.iter().filter(|row| row.measured.is_some() || row.published.is_some()) {
-        let label = if row.unit.is_empty() { row.label.to_owned() } else { format!("{} [{}]", row.label, row.unit) };
-        text += &format!("\n  {label:<34}{:>11}{:>10}", number(row.measured), number(row.measured_peak));
+    let width = rows.iter().map(|row| label(row).chars().count()).max().unwrap_or(0);
+    let line = |label: &str, measured: [&str; 2], thesis: [&str; 2]| {
+        let mut line = format!("\n  {label:<width$}{:>9}{:>9}", measured[0], measured[1]);
         if known {
-            text += &format!("{:>13}{:>10}", number(row.published), number(row.published_peak));
+            line += &format!("{:>12}{:>9}", thesis[0], thesis[1]);
         }
+        line.truncate(line.trim_end().len());
+        line
+    };
+    let mut text = folded(&format!("{name}: {outcome}"), 2);
+    text += &line("", ["", "measured"], ["", "thesis"]);
+    text += &line("", ["mean", "peak"], ["mean", "peak"]);
+    for row in &rows {
+        let measured = [row.measured.map_or("none".into(), number), row.measured_peak.map_or(String::new(), number)];
+        // As printed, without digits that the thesis does not give.
+        let thesis = [row.published, row.published_peak].map(|value| value.map_or(String::new(), |v| v.to_string()));
+        text += &line(&label(row), measured.each_ref().map(String::as_str), thesis.each_ref().map(String::as_str));
     }
+    if known && is_altered(&run.scenario) {
+        text += "\n  (the thesis's figures are for the built-in scenario, not for these settings)";
+    }
+    let [median, p99] = [0.5, 0.99].map(|share| run.timing.tick_quantile_us(share));
     text += &format!(
-        "\n  {} ticks, {:.0} times real time; control tick {:.1} us median, {:.1} us p99\n",
+        "\n  {} ticks, {:.0} times real time; control tick {median:.1} µs median, {p99:.1} µs p99\n",
         run.log.len(),
         real_time_factor(run),
-        run.timing.tick_quantile_us(0.5),
-        run.timing.tick_quantile_us(0.99)
     );
     text
 }
 
-/// Three significant digits, or all of a larger number's; blank where there is none.
-fn number(value: Option<f64>) -> String {
-    let Some(value) = value else { return String::new() };
+fn label(row: &Row) -> String {
+    if row.unit.is_empty() { row.label.to_owned() } else { format!("{} [{}]", row.label, row.unit) }
+}
+
+/// Whether something was changed in the built-in scenario of that name.
+fn is_altered(scenario: &Scenario) -> bool {
+    scenario_file::load(&scenario.name, &[]).is_ok_and(|built_in| built_in.scenario != *scenario)
+}
+
+/// Three significant digits, or all of a larger number's.
+fn number(value: f64) -> String {
     if value.abs() > 0.0 && value.abs() < 1e-4 {
         return format!("{value:.0e}");
     }

@@ -55,7 +55,8 @@ fn every_command_in_the_documents_runs() {
     let folder = std::env::temp_dir().join(format!("legwork-docs-{}", std::process::id()));
     fs::create_dir_all(&folder).expect("a folder for the commands' files");
     let program = Path::new(env!("CARGO_BIN_EXE_legwork"));
-    let path = format!("{}:{}", program.parent().expect("a folder").display(), std::env::var("PATH").unwrap_or_default());
+    let path =
+        format!("{}:{}", program.parent().expect("a folder").display(), std::env::var("PATH").unwrap_or_default());
     let mut count = 0;
     for document in documents() {
         let text = fs::read_to_string(&document).expect("a document");

@@ -79,7 +79,12 @@ impl Description {
         let joint = &body.joint;
         let (subject, line) = (format!("joint {:?}", joint.name), joint.line.or(body.line));
         if joint.lower > joint.upper {
-            let problem = format!("limits are crossed: lower {} is above upper {}", joint.lower, joint.upper);
+            let limit = |value: f64| match joint.kind {
+                Joint::Revolute { .. } => format!("{value:.6} rad ({:.2} deg)", value.to_degrees()),
+                _ => format!("{value} m"),
+            };
+            let (lower, upper) = (limit(joint.lower), limit(joint.upper));
+            let problem = format!("limits are crossed: lower {lower} is above upper {upper}");
             return Err(self.invalid(line, subject, problem));
         }
         for (what, limit) in [("velocity", joint.velocity_limit), ("effort", joint.effort_limit)] {

@@ -90,7 +90,7 @@ fn masses_and_inertias() {
 fn joints_and_limits() {
     says(
         &toml_error("lower_rad = -2.5", "lower_rad = 2.6"),
-        &["robot.toml:30: joint \"elbow\": limits are crossed: lower 2.6 is above upper 2.5"],
+        &["robot.toml:30: joint \"elbow\": limits are crossed: lower 2.600000 rad (148.97 deg) is above upper"],
     );
     says(
         &toml_error("lower_rad = -2.5", "lower_rad = -2.5\nlower_deg = -100"),

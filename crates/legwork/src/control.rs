@@ -202,7 +202,9 @@ impl Controller {
         tick.active.fill(0);
         if tick.fallback != Fallback::HoldTorque {
             for active in self.solver.working_set() {
-                if let Some(index) = self.layout.limit(active.constraint) {
+                let Some(index) = self.layout.limit(active.constraint) else { continue };
+                // Without contact the force is zero, which is no limit that is met.
+                if self.layout.limits()[index].contact.is_none_or(|contact| inputs.stance[contact]) {
                     tick.active[index] = layout::side_sign(active.side);
                 }
             }

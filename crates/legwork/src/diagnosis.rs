@@ -98,7 +98,7 @@ pub fn sentence(fall: &Fall) -> String {
         Cause::OutOfBounds { joint: None } => "the numbers went out of bounds".to_owned(),
         Cause::BodyTouches { part } => format!("{} touched the ground", part.replace('_', " ")),
         Cause::ComTooLow { height, lowest } => {
-            format!("the centre of mass sank to {height:.2} m, below {lowest:.2} m")
+            format!("the centre of mass sank to {height:.3} m, below {lowest:.3} m")
         }
         Cause::TorsoLeans { angle } => {
             let way = if *angle > 0.0 { "backward" } else { "forward" };
@@ -114,7 +114,8 @@ const LOOK_BACK: f64 = 0.5;
 /// The fall in words, with what was most at its limit in the half second before it.
 pub fn reason(fall: &Fall, log: &Log, layout: &Layout) -> String {
     let mut text = sentence(fall);
-    let first = (0..log.len()).find(|&i| log.time(i) >= fall.time - LOOK_BACK).unwrap_or(0);
+    let back = LOOK_BACK.min(fall.time);
+    let first = (0..log.len()).find(|&i| log.time(i) >= fall.time - back).unwrap_or(0);
     let ticks = log.len() - first;
     let share = |limit: usize| {
         let active = (first..log.len()).filter(|&i| log.get(i, Field::ActiveLimit)[limit] != 0.0).count();
@@ -127,7 +128,7 @@ pub fn reason(fall: &Fall, log: &Log, layout: &Layout) -> String {
         .fold((0.0, 0), |worst, next| if next.0 > worst.0 { next } else { worst });
     if worst.0 >= 0.1 {
         let name = layout.limits()[worst.1].name.replace('_', " ");
-        text += &format!("; the limit on {name} was active for {:.0} % of the last {LOOK_BACK} s", 100.0 * worst.0);
+        text += &format!("; the limit on {name} was active for {:.0} % of the last {back:.2} s", 100.0 * worst.0);
     }
     let held = (first..log.len()).filter(|&i| log.get(i, Field::Program)[1] > 0.0).count();
     if held > 0 {

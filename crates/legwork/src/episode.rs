@@ -230,7 +230,7 @@ impl Episode {
         record.set(Field::Touching, self.truth.touching.iter().map(|&touching| f64::from(u8::from(touching))));
         record.set(Field::MomentumRateGoal, self.controller.planner().goal().momentum_rate.iter().copied());
         record.set(Field::Acceleration, tick.solution.qdd.iter().copied());
-        record.set(Field::Slack, tick.solution.slack.iter().copied());
+        record.set(Field::Slack, tick.solution.slack.iter());
         record.set(Field::ActiveLimit, tick.active.iter().map(|&side| f64::from(side)));
         record.set(Field::Braking, tick.braking.iter().copied());
         let status = tick.status as u8;

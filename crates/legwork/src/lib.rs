@@ -3,7 +3,7 @@
 //! One control tick reads like the folder: a state estimate goes through [`reference`] (where centre of mass, torso and
 //! feet should be), [`planner`] (which momentum rate and accelerations that asks for) and [`qp`] (which accelerations,
 //! forces and torques come closest), composed in [`control`]; [`sim`] turns torques into the next state. [`episode`] is
-//! the only module that sees both sides. A run leaves a [`log`](crate::log), [`metrics`], the simulator's books
+//! the only module that sees both sides. A run leaves a [`log`], [`metrics`], the simulator's books
 //! ([`sim::audit`]) and, where it fell, a sentence of why ([`diagnosis`]).
 //!
 //! ```

@@ -38,7 +38,7 @@ pub struct Metrics {
     /// Steps begun.
     pub steps: u32,
     /// From the beginning of the first push until the CoM error stays below `metrics.recovered_within_m` [s]; none
-    /// without a push or where it does not.
+    /// without a push in the time simulated or where it does not.
     pub recovery_time_s: Option<f64>,
     /// Largest horizontal CoM error from the beginning of the first push on [m]; none without a push.
     pub recovery_distance_m: Option<f64>,
@@ -80,7 +80,8 @@ pub fn measure(scenario: &Scenario, log: &Log) -> Metrics {
         metrics.steps += u32::from(foot >= 0.0 && foot.to_bits() != f64::to_bits(before));
         before = foot;
     }
-    if let Some(begin) = scenario.pushes.iter().map(|push| push.start_s).reduce(f64::min) {
+    let begin = scenario.pushes.iter().map(|push| push.start_s).reduce(f64::min);
+    if let Some(begin) = begin.filter(|&begin| begin <= log.time(log.len() - 1)) {
         let after = ticks.filter(|&i| log.time(i) >= begin);
         metrics.recovery_distance_m = Some(after.clone().map(|i| com_offset(log, i, 0).abs()).fold(0.0, f64::max));
         let within = scenario.metrics.recovered_within_m;

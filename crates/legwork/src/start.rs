@@ -35,9 +35,9 @@ pub fn start_pose(scenario: &Scenario, model: &Model, ground: &GroundPlane) -> R
     }
     let (error, q) = best.expect("at least one guess was tried");
     if error < TOLERANCE {
-        return check_limits(scenario, model, q);
+        return check_limits(model, q);
     }
-    Err(unreachable(scenario, model, &target, &q))
+    Err(unreachable(model, &target, &q))
 }
 
 struct Target {
@@ -121,7 +121,7 @@ fn wrap(model: &Model, mut q: DVector<f64>) -> DVector<f64> {
     q
 }
 
-fn check_limits(scenario: &Scenario, model: &Model, q: DVector<f64>) -> Result<DVector<f64>, Error> {
+fn check_limits(model: &Model, q: DVector<f64>) -> Result<DVector<f64>, Error> {
     for dof in &model.dofs {
         let angle = q[model.bodies[dof.body].q_index];
         if dof.actuated && !(dof.lower..=dof.upper).contains(&angle) {
@@ -141,7 +141,7 @@ fn check_limits(scenario: &Scenario, model: &Model, q: DVector<f64>) -> Result<D
     Ok(q)
 }
 
-fn unreachable(scenario: &Scenario, model: &Model, target: &Target, q: &DVector<f64>) -> Error {
+fn unreachable(model: &Model, target: &Target, q: &DVector<f64>) -> Error {
     let mut dynamics = Dynamics::new(model);
     dynamics.update(model, q.as_slice(), &vec![0.0; model.nv()]);
     let feet = [&dynamics.contact_positions[0], &dynamics.contact_positions[1]];

@@ -2,6 +2,8 @@
 
 mod common;
 
+use legwork::{episode, scenario_file};
+
 #[test]
 fn repeated_and_parallel_runs_give_the_same_bits() {
     let noisy: &[&str] = &[
@@ -32,6 +34,20 @@ fn what_a_run_depends_on_is_in_its_input_hash() {
         let other = common::run("stand", &["duration_s=0.01", set]);
         assert_ne!(base.input_hash, other.input_hash, "{set}");
     }
+}
+
+/// The content of the file with the CoM trajectory was not in the hash, but its path was.
+#[test]
+fn two_trajectory_files_gave_one_input_hash() {
+    let run = |path: &str, height: f64| {
+        let sets = ["duration_s=0.01", "reference.com.trajectory=file", &format!("reference.com.file={path}")];
+        let loaded = scenario_file::load("stand", &sets.map(str::to_owned)).expect("it is valid");
+        let samples = [[0.0, 0.27, 0.885], [1.0, 0.27, height], [2.0, 0.27, height]];
+        episode::run(&loaded.scenario, &loaded.model().expect("it is built in"), &samples, |_| false)
+            .expect("it starts")
+    };
+    assert_eq!(run("com.csv", 0.88).input_hash, run("there/com.csv", 0.88).input_hash);
+    assert_ne!(run("com.csv", 0.88).input_hash, run("com.csv", 0.87).input_hash);
 }
 
 #[test]

@@ -50,6 +50,8 @@ pub struct Layout {
 pub struct Limit {
     /// Its name, as in `torque right_knee`.
     pub name: String,
+    /// The contact whose force it limits, if it limits one.
+    pub contact: Option<usize>,
     constraint: Constraint,
 }
 
@@ -159,19 +161,19 @@ impl Layout {
 
     fn all_limits(&self, model: &Model) -> Vec<Limit> {
         let mut limits = Vec::new();
-        let mut add = |name: String, constraint| limits.push(Limit { name, constraint });
+        let mut add = |name: String, contact, constraint| limits.push(Limit { name, contact, constraint });
         for (index, &dof) in self.actuated.iter().enumerate() {
             let constraint = match self.form {
                 QpForm::Direct => Constraint::Row(self.dynamics_rows.start + dof),
                 QpForm::Slack => Constraint::Bound(self.tau.start + index),
             };
-            add(format!("torque {}", model.dofs[dof].name), constraint);
+            add(format!("torque {}", model.dofs[dof].name), None, constraint);
         }
         for (index, contact) in model.contacts.iter().enumerate() {
             for row in 0..self.dimension {
                 let axis = axis_name(model, row);
                 let constraint = Constraint::Bound(self.rho.start + index * self.dimension + row);
-                add(format!("force {} {axis}", contact.name), constraint);
+                add(format!("force {} {axis}", contact.name), Some(index), constraint);
             }
         }
         for (index, contact) in model.contacts.iter().enumerate() {
@@ -180,11 +182,11 @@ impl Layout {
                 let constraint =
                     Constraint::Row(self.friction_rows.start + index * self.friction_rows_per_contact + row);
                 let side = if row == 0 { String::new() } else { format!(" {}", if row % 2 == 1 { "+" } else { "-" }) };
-                add(format!("{what} {}{side}", contact.name), constraint);
+                add(format!("{what} {}{side}", contact.name), Some(index), constraint);
             }
         }
         for &dof in &self.actuated {
-            add(format!("acceleration {}", model.dofs[dof].name), Constraint::Bound(self.qdd.start + dof));
+            add(format!("acceleration {}", model.dofs[dof].name), None, Constraint::Bound(self.qdd.start + dof));
         }
         limits
     }

@@ -25,7 +25,7 @@ use crate::contact::GroundPlane;
 use crate::planner::MotionGoal;
 use crate::scenario::{Limits, TrackingSettings, Weights};
 pub use layout::{Layout, Limit};
-pub use solution::{Solution, read_solution};
+pub use solution::{Slack, Solution, read_solution};
 
 /// What the program is built from in one tick.
 #[derive(Clone, Copy, Debug)]

@@ -1,5 +1,7 @@
 //! Reading the solution of either form.
 
+use nalgebra::DMatrix;
+
 use super::bounds::torque_limit;
 use super::{Inputs, Layout};
 use crate::scenario::QpForm;
@@ -13,9 +15,26 @@ pub struct Solution {
     pub rho: Vec<f64>,
     /// Torques of the actuated joints [Nm], within their limits.
     pub tau: Vec<f64>,
-    /// `s_m`, `s_f`, `s_a` of (B.9): desired minus achieved rate of momentum [Nm, N], acceleration of the feet [m/s²]
-    /// and angular acceleration of the torso [rad/s²].
-    pub slack: Vec<f64>,
+    /// What each task was missed by.
+    pub slack: Slack,
+}
+
+/// What the tasks were missed by, desired minus achieved. Thesis (B.9)
+#[derive(Clone, Debug, Default)]
+pub struct Slack {
+    /// `s_m`: rate of momentum, angular then linear [Nm, N].
+    pub momentum: Vec<f64>,
+    /// `s_f`: accelerations of the contact points along the linear axes [m/s²].
+    pub feet: Vec<f64>,
+    /// `s_a`: angular acceleration of the torso [rad/s²].
+    pub torso: f64,
+}
+
+impl Slack {
+    /// All of them, in the order of (B.1).
+    pub fn iter(&self) -> impl Iterator<Item = f64> + '_ {
+        self.momentum.iter().chain(&self.feet).copied().chain([self.torso])
+    }
 }
 
 impl Solution {
@@ -25,7 +44,11 @@ impl Solution {
             qdd: vec![0.0; layout.qdd.len()],
             rho: vec![0.0; layout.rho.len()],
             tau: vec![0.0; layout.actuated.len()],
-            slack: vec![0.0; layout.momentum_rows.len() + layout.feet_rows.len() + 1],
+            slack: Slack {
+                momentum: vec![0.0; layout.momentum_rows.len()],
+                feet: vec![0.0; layout.feet_rows.len()],
+                torso: 0.0,
+            },
         }
     }
 }
@@ -55,19 +78,16 @@ pub fn read_solution(layout: &Layout, inputs: &Inputs<'_>, x: &[f64], solution: 
         let limit = torque_limit(inputs, dof);
         solution.tau[index] = torque.clamp(-limit, limit);
     }
-    let achieved = |jacobian: &nalgebra::DMatrix<f64>, i: usize| -> f64 {
-        (0..solution.qdd.len()).map(|j| jacobian[(i, j)] * solution.qdd[j]).sum()
-    };
+    let qdd = &solution.qdd;
+    let achieved =
+        |jacobian: &DMatrix<f64>, i: usize| -> f64 { (0..qdd.len()).map(|j| jacobian[(i, j)] * qdd[j]).sum() };
     let goal = inputs.goal;
-    let (momenta, feet) = (layout.momentum_rows.len(), layout.feet_rows.len());
-    for i in 0..momenta {
-        let bias = dynamics.momentum_bias[i];
-        solution.slack[i] = goal.momentum_rate[i] - bias - achieved(&dynamics.momentum_matrix, i);
+    let slack = &mut solution.slack;
+    for (i, missed) in slack.momentum.iter_mut().enumerate() {
+        *missed = goal.momentum_rate[i] - dynamics.momentum_bias[i] - achieved(&dynamics.momentum_matrix, i);
     }
-    for i in 0..feet {
-        let bias = dynamics.contact_bias[i];
-        solution.slack[momenta + i] = goal.foot_acceleration[i] - bias - achieved(&dynamics.contact_jacobian, i);
+    for (i, missed) in slack.feet.iter_mut().enumerate() {
+        *missed = goal.foot_acceleration[i] - dynamics.contact_bias[i] - achieved(&dynamics.contact_jacobian, i);
     }
-    solution.slack[momenta + feet] =
-        goal.torso_acceleration - dynamics.torso_bias[0] - achieved(&dynamics.torso_jacobian, 0);
+    slack.torso = goal.torso_acceleration - dynamics.torso_bias[0] - achieved(&dynamics.torso_jacobian, 0);
 }

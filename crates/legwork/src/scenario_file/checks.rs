@@ -12,7 +12,7 @@ const MOST_TICKS: f64 = 4e6;
 
 impl Draft {
     /// The scenario, if all is valid; `file_name` is for what no line can be blamed for.
-    pub(super) fn check(mut self, file_name: &str) -> Result<Scenario, Error> {
+    pub(super) fn check(&mut self, file_name: &str) -> Result<Scenario, Error> {
         let pushes = self.tree["pushes"].as_array().map_or(0, Vec::len);
         for setting in SETTINGS {
             if setting.path.starts_with("pushes.") {
@@ -28,7 +28,7 @@ impl Draft {
             .map_err(|error: toml::de::Error| Error::invalid(file_name, error.message()))?;
         match conflict(&scenario) {
             Some((paths, problem)) => {
-                let place = self.place(paths).map_or_else(|| format!("{file_name}: {}", paths[0]), str::to_owned);
+                let place = self.places.of(paths).map_or_else(|| format!("{file_name}: {}", paths[0]), str::to_owned);
                 Err(Error::invalid(place, problem))
             }
             None => Ok(scenario),
@@ -45,7 +45,7 @@ impl Draft {
             }
             Err(found) => {
                 let problem = format!("found {found}; valid is {}", setting.valid_in_words());
-                Err(Error::invalid(self.place(&[path]).unwrap_or(path), problem))
+                Err(Error::invalid(self.places.of(&[path]).unwrap_or(path), problem))
             }
         }
     }

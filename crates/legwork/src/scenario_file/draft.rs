@@ -43,15 +43,31 @@ impl Source<'_> {
 /// A scenario's values, not yet checked. It has the shape of a scenario's tables and lists from the start.
 pub(super) struct Draft {
     pub(super) tree: Value,
-    places: Places,
+    pub(super) places: Places,
 }
 
 /// Path and place of each value that was set, in order.
-type Places = Vec<(String, String)>;
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Places(Vec<(String, String)>);
+
+impl Places {
+    /// Where the value at the first of the `paths` comes from, or at another of them if that was set later.
+    pub(super) fn of(&self, paths: &[&str]) -> Option<&str> {
+        let holds = |outer: &str, inner: &str| {
+            inner.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        let set = |(set, _): &&(String, String)| paths.iter().any(|path| holds(path, set) || holds(set, path));
+        self.0.iter().rev().find(set).map(|(_, place)| place.as_str())
+    }
+
+    fn push(&mut self, path: &str, place: &str) {
+        self.0.push((path.to_owned(), place.to_owned()));
+    }
+}
 
 impl Default for Draft {
     fn default() -> Self {
-        Self { tree: settings::tree(&Scenario::default()), places: Places::new() }
+        Self { tree: settings::tree(&Scenario::default()), places: Places::default() }
     }
 }
 
@@ -60,7 +76,7 @@ impl Draft {
     pub(super) fn rename(&mut self, name: &str) {
         for (key, text) in [("name", name), ("description", "")] {
             self.tree[key] = Value::String(text.to_owned());
-            self.places.retain(|(path, _)| path != key);
+            self.places.0.retain(|(path, _)| path != key);
         }
     }
 
@@ -122,15 +138,6 @@ impl Draft {
             *text = folder.join(text.as_str()).display().to_string();
         }
     }
-
-    /// Where the value at the first of the `paths` comes from, or at another of them if that was set later.
-    pub(super) fn place(&self, paths: &[&str]) -> Option<&str> {
-        let holds = |outer: &str, inner: &str| {
-            inner.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
-        };
-        let set = |(set, _): &&(String, String)| paths.iter().any(|path| holds(path, set) || holds(set, path));
-        self.places.iter().rev().find(set).map(|(_, place)| place.as_str())
-    }
 }
 
 /// Puts `found`, which stands at `place`, into the `slot` at `path`.
@@ -164,7 +171,7 @@ fn merge(
         }
         (slot, found) => {
             *slot = plain(found);
-            places.push((path.to_owned(), place.to_owned()));
+            places.push(path, place);
             Ok(())
         }
     }
@@ -182,7 +189,7 @@ fn pushes(found: &DeValue, place: &str, source: &Source, places: &mut Places) ->
         let path = format!("pushes.{index}");
         let place = source.place(element.span().start, &path);
         let mut push = template.clone();
-        places.push((path.clone(), place.clone()));
+        places.push(&path, &place);
         merge(&mut push, element.get_ref(), &path, &place, source, places)?;
         let states = |name: &str| element.get_ref().as_table().is_some_and(|table| table.contains_key(name));
         if let Some(missing) = REQUIRED_OF_A_PUSH.iter().find(|name| !states(name)) {

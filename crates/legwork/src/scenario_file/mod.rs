@@ -12,12 +12,16 @@ mod write;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+use legwork_rbd::Model;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
-use crate::library::{is_mere_name, not_found, read_text, scenario_names, scenario_text};
-use crate::scenario::Scenario;
-use draft::{Draft, Source};
+use crate::library::{
+    is_mere_name, load_model, load_samples, model_text, not_found, read_text, scenario_names, scenario_text,
+};
+use crate::scenario::{Scenario, TrajectoryKind};
+use crate::settings::{at, tree};
+use draft::{Draft, Places, Source};
 
 pub use write::to_toml;
 
@@ -28,12 +32,62 @@ pub struct Loaded {
     pub scenario: Scenario,
     /// The folder of its file; none for a built-in scenario, whose paths are relative to the current folder.
     pub folder: Option<PathBuf>,
+    file_name: String,
+    places: Places,
 }
 
 impl Loaded {
+    /// Reads the model that the scenario names.
+    ///
+    /// # Errors
+    /// As [`load_model`].
+    pub fn model(&self) -> Result<Model, Error> {
+        load_model(&self.scenario.model, self.folder.as_deref()).map_err(|error| self.locate(error))
+    }
+
+    /// Reads the samples of the CoM trajectory; none where the scenario's trajectory is not from a file.
+    ///
+    /// # Errors
+    /// As [`load_samples`].
+    pub fn samples(&self) -> Result<Vec<[f64; 3]>, Error> {
+        let com = &self.scenario.reference.com;
+        if com.trajectory == TrajectoryKind::File {
+            load_samples(&self.resolve_path(&com.file))
+        } else {
+            Ok(Vec::new())
+        }
+    }
+
     /// The path of a file that the scenario names.
     pub fn resolve_path(&self, text: &str) -> PathBuf {
         self.folder.as_deref().unwrap_or(Path::new("")).join(text)
+    }
+
+    /// The scenario with its paths made absolute: one that means the same in another folder.
+    pub fn portable(&self) -> Scenario {
+        let mut scenario = self.scenario.clone();
+        for path in [&mut scenario.model, &mut scenario.reference.com.file] {
+            let found = self.resolve_path(path);
+            if !path.is_empty() && model_text(path).is_none() && found.is_file() {
+                *path = std::path::absolute(&found).unwrap_or(found).display().to_string();
+            }
+        }
+        scenario
+    }
+
+    /// An `error` that names a setting by its path alone, with the file and line where that was set.
+    #[must_use]
+    pub fn locate(&self, error: Error) -> Error {
+        match error {
+            Error::Invalid { place, problem } if at(&mut tree(&self.scenario), &place).is_some() => {
+                let place = match self.places.of(&[&place]) {
+                    Some(place) => place.to_owned(),
+                    None => format!("{}: {place}", self.file_name),
+                };
+                Error::Invalid { place, problem }
+            }
+            other => other,
+        }
     }
 }
 
@@ -65,7 +119,8 @@ fn resolve(origin: Origin, sets: &[String]) -> Result<Loaded, Error> {
             draft.move_path(path, &here);
         }
     }
-    Ok(Loaded { scenario: draft.check(&origin.file_name)?, folder: origin.folder })
+    let scenario = draft.check(&origin.file_name)?;
+    Ok(Loaded { scenario, folder: origin.folder, file_name: origin.file_name, places: draft.places })
 }
 
 /// A scenario's text and where it is from.

@@ -1,0 +1,147 @@
+//! The contract of `run --json`: every key, its type, and null where there is nothing.
+
+use serde_json::{Value, json};
+
+use crate::Folder;
+
+/// The shape of a value: its keys, and below them the names of types.
+fn shape(value: &Value) -> Value {
+    match value {
+        Value::Null => json!("null"),
+        Value::Bool(_) => json!("bool"),
+        Value::Number(number) if number.is_f64() => json!("number"),
+        Value::Number(_) => json!("count"),
+        Value::String(_) => json!("text"),
+        Value::Array(_) => json!("list"),
+        Value::Object(object) => object.iter().map(|(key, value)| (key.clone(), shape(value))).collect(),
+    }
+}
+
+/// The shape of a run that stood and was not pushed.
+fn contract() -> Value {
+    let pair = json!({ "mean": "number", "peak": "number" });
+    json!({
+        "scenario": "text",
+        "outcome": "text",
+        "fell_at_s": "null",
+        "reason": "null",
+        "input_hash": "text",
+        "result_hash": "text",
+        "metrics": {
+            "com_error_m": pair,
+            "com_error_vertical_m": pair,
+            "feet_error_m": pair,
+            "torso_deviation_rad": pair,
+            "torque_nm": pair,
+            "grf_n": pair,
+            "grf_simulated_n": pair,
+            "u2_n2m2": pair,
+            "single_support_fraction": "number",
+            "steps": "count",
+            "recovery_time_s": "null",
+            "recovery_distance_m": "null",
+            "mean_speed_mps": "number",
+        },
+        "audit": {
+            "energy_error_j": "number",
+            "work_j": "number",
+            "contact_loss_j": "number",
+            "momentum_error_mps": "number",
+            "penetration_m": "number",
+            "friction_excess_n": "number",
+            "pull_n": "number",
+            "slip_m": "number",
+            "contact_sweeps_max": "count",
+            "contact_residual_n": "number",
+            "violations": "list",
+        },
+        "qp": {
+            "solves": "count",
+            "infeasible": "count",
+            "fallbacks": "count",
+            "iterations_mean": "number",
+            "iterations_max": "count",
+        },
+        "timing": {
+            "tick_us": { "p50": "number", "p99": "number", "max": "number" },
+            "wall_s": "number",
+            "simulated_s": "number",
+            "real_time_factor": "number",
+        },
+    })
+}
+
+#[test]
+fn a_line_a_scenario_with_every_key() {
+    let folder = Folder::new("contract");
+    let lines = folder.json(&["run", "stand", "walk", "walk", "--duration", "0.5", "--json"]);
+    assert_eq!(
+        lines.iter().map(|line| line["scenario"].as_str().unwrap()).collect::<Vec<_>>(),
+        ["stand", "walk", "walk"]
+    );
+    assert_eq!(lines[1]["result_hash"], lines[2]["result_hash"]);
+
+    for line in &lines {
+        assert_eq!(shape(line), contract());
+        assert_eq!(line["outcome"], "completed");
+        assert_eq!(line["timing"]["simulated_s"], 0.5);
+        assert_eq!(line["audit"]["violations"], json!([]));
+        for hash in [&line["input_hash"], &line["result_hash"]] {
+            let hash = hash.as_str().unwrap();
+            assert!(hash.len() == 32 && hash.bytes().all(|byte| byte.is_ascii_hexdigit()), "{hash}");
+        }
+    }
+    assert!(lines[0]["qp"]["solves"].as_u64().is_some_and(|solves| solves >= 500));
+}
+
+#[test]
+fn a_fall_has_a_time_and_a_reason_and_a_recovery_a_time() {
+    let folder = Folder::new("falls");
+    let absurd = ["--set", "ground.friction=0.02", "--set", "pushes.0.force_n=5000"];
+    let fell = &folder.json(&[&["run", "push", "--json"], &absurd[..]].concat())[0];
+    let mut expected = contract();
+    (expected["fell_at_s"], expected["reason"]) = (json!("number"), json!("text"));
+    expected["metrics"]["recovery_distance_m"] = json!("number");
+    assert_eq!((&fell["outcome"], shape(fell)), (&json!("fell"), expected));
+    let begin = format!("fell at {:.2} s: ", fell["fell_at_s"].as_f64().unwrap());
+    assert!(fell["reason"].as_str().unwrap().starts_with(&begin), "{fell}");
+
+    let recovered = &folder.json(&["run", "push", "--json"])[0];
+    let mut expected = contract();
+    expected["metrics"]["recovery_distance_m"] = json!("number");
+    expected["metrics"]["recovery_time_s"] = json!("number");
+    assert_eq!((&recovered["outcome"], shape(recovered)), (&json!("completed"), expected));
+
+    let too_short = &folder.json(&["run", "push", "--set", "pushes.0.start_s=0.1", "--duration", "0.5", "--json"])[0];
+    assert_eq!(too_short["metrics"]["recovery_time_s"], Value::Null);
+    assert!(too_short["metrics"]["recovery_distance_m"].as_f64().is_some_and(|distance| distance > 0.1));
+}
+
+/// It was said to have recovered at once, by 0 m.
+#[test]
+fn a_run_that_ends_before_the_push_recovers_from_nothing() {
+    let folder = Folder::new("before");
+    let line = &folder.json(&["run", "push", "--set", "pushes.0.start_s=1", "--duration", "0.5", "--json"])[0];
+    assert_eq!(shape(line), contract());
+}
+
+#[test]
+fn a_fall_is_no_failure_unless_standing_was_expected() {
+    let folder = Folder::new("standing");
+    let fall = ["run", "stand", "--set", "controller.limits.torque_nm=1"];
+    let done = folder.legwork(&fall).succeeds();
+    assert!(done.out.starts_with("stand: fell at "), "{}", done.out);
+    let done = folder.legwork(&[&fall[..], &["--expect-standing", "--json"]].concat());
+    assert_eq!(done.code, 1);
+    assert!(done.out.contains("\"outcome\":\"fell\"") && done.out.lines().count() == 1, "{}", done.out);
+    folder.legwork(&["run", "stand", "--duration", "0.1", "--expect-standing"]).succeeds();
+}
+
+#[test]
+fn words_go_to_stderr_and_data_to_stdout() {
+    let folder = Folder::new("words-and-data");
+    let files = ["--log", "a.csv", "--report", "a.html", "--plots", "plots"];
+    let done = folder.legwork(&[&["run", "stand", "--duration", "0.02", "--json"], &files[..]].concat()).succeeds();
+    assert_eq!(done.out.lines().count(), 1);
+    assert_eq!(done.err, "log: a.csv\nplots: plots\nreport: a.html\n");
+}
