@@ -43,6 +43,14 @@ pub(crate) fn text(run: &Run) -> String {
     if known && is_altered(&run.scenario) {
         text += "\n  (the thesis's figures are for the built-in scenario, not for these settings)";
     }
+    if let Some((time, conflict)) = &run.program.first_infeasible {
+        let what = format!(
+            "{} programs had no solution as they stood, the first at {time:.3} s: {} contradict each other",
+            run.program.infeasible,
+            conflict.join(", ")
+        );
+        text += &format!("\n  {}", folded(&what, 2));
+    }
     let [median, p99] = [0.5, 0.99].map(|share| run.timing.tick_quantile_us(share));
     text += &format!(
         "\n  {} ticks, {:.0} times real time; control tick {median:.1} µs median, {p99:.1} µs p99\n",
@@ -120,6 +128,7 @@ pub(crate) fn json(run: &Run) -> Value {
         "qp": {
             "solves": qp.solves,
             "infeasible": qp.infeasible,
+            "first_infeasible": qp.first_infeasible.as_ref().map(|(time, conflict)| json!({ "time_s": time, "conflict": conflict })),
             "fallbacks": qp.fallbacks,
             "iterations_mean": qp.iterations_mean,
             "iterations_max": qp.iterations_max,

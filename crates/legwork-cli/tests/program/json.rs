@@ -58,6 +58,7 @@ fn contract() -> Value {
         "qp": {
             "solves": "count",
             "infeasible": "count",
+            "first_infeasible": "null",
             "fallbacks": "count",
             "iterations_mean": "number",
             "iterations_max": "count",
