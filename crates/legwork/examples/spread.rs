@@ -20,7 +20,7 @@ const DEVIATION: f64 = 0.02;
 fn main() -> io::Result<()> {
     let share: f64 = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(DEVIATION);
     let mut out = io::stdout().lock();
-    for name in ["walk", "push", "push-replan"] {
+    for name in ["walk", "push", "push-replan", "walk-support", "push-support"] {
         let runs: Vec<Option<Run>> = (0..DRAWS).map(|draw| perturbed(name, draw, share)).collect();
         let good: Vec<&Run> = runs.iter().flatten().filter(|run| recovered(run)).collect();
         writeln!(out, "{name}: {} of {DRAWS} stood (and recovered, where pushed), {share} of spread", good.len())?;
@@ -34,13 +34,14 @@ fn main() -> io::Result<()> {
         row("CoM error, mean [m]", &|run| run.metrics.com_error_m.mean)?;
         row("CoM error, peak [m]", &|run| run.metrics.com_error_m.peak)?;
         row("vertical, peak [m]", &|run| run.metrics.com_error_vertical_m.peak)?;
+        row("torso deviation, peak [rad]", &|run| run.metrics.torso_deviation_rad.peak)?;
         row("feet error, mean [m]", &|run| run.metrics.feet_error_m.mean)?;
         row("feet error, peak [m]", &|run| run.metrics.feet_error_m.peak)?;
         row("torque, mean [Nm]", &|run| run.metrics.torque_nm.mean)?;
         row("force, mean [N]", &|run| run.metrics.grf_n.mean)?;
         row("u2, mean [N2m2]", &|run| run.metrics.u2_n2m2.mean)?;
         row("single support", &|run| run.metrics.single_support_fraction)?;
-        if name != "walk" {
+        if !name.starts_with("walk") {
             row("recovery time [s]", &|run| run.metrics.recovery_time_s.unwrap_or(f64::NAN))?;
             row("recovery distance [m]", &|run| run.metrics.recovery_distance_m.unwrap_or(f64::NAN))?;
         }

@@ -17,6 +17,8 @@ const SCENARIOS: &[Entry] = &[
     ("walk", include_str!("../../../scenarios/walk.toml")),
     ("push", include_str!("../../../scenarios/push.toml")),
     ("push-replan", include_str!("../../../scenarios/push-replan.toml")),
+    ("walk-support", include_str!("../../../scenarios/walk-support.toml")),
+    ("push-support", include_str!("../../../scenarios/push-support.toml")),
     ("walk-slope", include_str!("../../../scenarios/walk-slope.toml")),
     ("walk-baseline", include_str!("../../../scenarios/walk-baseline.toml")),
     ("push-baseline", include_str!("../../../scenarios/push-baseline.toml")),

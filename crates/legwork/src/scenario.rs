@@ -30,6 +30,16 @@ pub enum Replan {
     InSwing,
 }
 
+/// What the least step length is to prevent (thesis 4.3.1 says: a base of support that becomes too small).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LeastStep {
+    /// A foot that moves less than that.
+    Displacement,
+    /// Feet that stand closer together than that after the step.
+    BaseOfSupport,
+}
+
 /// The damping gain that belongs to a stiffness `P` (thesis 6.3.7).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -174,8 +184,10 @@ pub struct StepSettings {
     pub duration_s: f64,
     /// `h_s`: height of the foot's arc [m].
     pub height_m: f64,
-    /// Shortest displacement of a foot [m].
+    /// Least step length [m].
     pub min_length_m: f64,
+    /// What that is the least of.
+    pub min_length_is: LeastStep,
     /// Longest displacement of a foot [m].
     pub max_length_m: f64,
     /// Share of the distance to the predicted XcoM that is added to it.
@@ -412,6 +424,7 @@ impl Default for Scenario {
                     duration_s: 0.225,
                     height_m: 0.062,
                     min_length_m: 0.59,
+                    min_length_is: LeastStep::Displacement,
                     max_length_m: 1.05,
                     overshoot: 0.1,
                     delay_s: 0.2,

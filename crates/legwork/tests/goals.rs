@@ -5,7 +5,7 @@ use legwork::library;
 use legwork::planner::MotionReferencePlanner;
 use legwork::reference::step::{Phase, StepMachine};
 use legwork::reference::{Observation, PointReference, Reference};
-use legwork::scenario::{Damping, Replan, Scenario};
+use legwork::scenario::{Damping, LeastStep, Replan, Scenario, StepSettings};
 use legwork_rbd::{Dynamics, Model};
 use nalgebra::Vector3;
 
@@ -98,8 +98,10 @@ struct Walker {
 
 impl Walker {
     fn new(reference_speed: f64, replan: Replan) -> Self {
-        let mut settings = Scenario::default().reference.step;
-        settings.replan = replan;
+        Self::with(StepSettings { replan, ..Scenario::default().reference.step }, reference_speed)
+    }
+
+    fn with(settings: StepSettings, reference_speed: f64) -> Self {
         let observation = Observation {
             time: 0.0,
             com: Vector3::new(0.25, 0.0, 0.9),
@@ -165,6 +167,21 @@ fn the_step_reaches_past_the_predicted_xcom_within_its_limits() {
     assert!((shortest + 0.59).abs() < 1e-12, "at least 0.59 m: {shortest}");
     let longest = swinging(Walker::new(0.0, Replan::Never).with_xcom(2.0)).expect("a step").1;
     assert!((longest - 1.05).abs() < 1e-12, "at most 1.05 m: {longest}");
+}
+
+#[test]
+fn the_least_step_is_of_the_foot_or_of_the_base_of_support() {
+    for (is, expected) in [(LeastStep::Displacement, 0.59), (LeastStep::BaseOfSupport, 0.5 + 0.59)] {
+        let mut settings = Scenario::default().reference.step;
+        settings.min_length_is = is;
+        settings.max_length_m = 2.0;
+        for (direction, xcom) in [(1.0, 0.501), (-1.0, -0.001)] {
+            let mut walker = Walker::with(settings.clone(), 0.0);
+            let (_, length) = swinging(walker.with_xcom(xcom)).expect("a step");
+            let least = f64::max(expected, if direction > 0.0 { 1.1 * 0.5 } else { 0.0 });
+            assert!((direction * length - least).abs() < 1e-2, "{is:?} {direction}: {length}, expected {least}");
+        }
+    }
 }
 
 #[test]

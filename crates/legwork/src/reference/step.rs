@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 use super::{Observation, PointReference, swing, xcom};
 use crate::contact::GroundPlane;
-use crate::scenario::{Replan, StepSettings};
+use crate::scenario::{LeastStep, Replan, StepSettings};
 
 /// What the feet are doing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,7 +120,12 @@ impl StepMachine {
     fn step_length(&self, from: f64, stance: f64, direction: f64, omega: f64, time: f64) -> f64 {
         let target = xcom::predicted_xcom(self.xcom, stance, omega, time); // Thesis (2.5)
         let length = direction * (1.0 + self.settings.overshoot) * (target - from);
-        direction * length.clamp(self.settings.min_length_m, self.settings.max_length_m)
+        let longest = self.settings.max_length_m;
+        let least = match self.settings.min_length_is {
+            LeastStep::Displacement => self.settings.min_length_m,
+            LeastStep::BaseOfSupport => direction * (stance - from) + self.settings.min_length_m,
+        };
+        direction * length.max(least).min(longest)
     }
 
     /// Reference of a foot (0 right, 1 left) at `time` [s].

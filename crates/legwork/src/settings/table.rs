@@ -98,7 +98,13 @@ pub const SETTINGS: &[Setting] = &[
     //
     number("reference.step.duration_s", "s", [1e-2, 10.0], FITTED, "Time of a step.").called("t_T"),
     number("reference.step.height_m", "m", [0.0, 1.0], FITTED, "Height of the foot's arc.").called("h_s"),
-    number("reference.step.min_length_m", "m", LENGTH, FITTED, "Shortest displacement of a foot."),
+    number("reference.step.min_length_m", "m", LENGTH, FITTED, "Least step length."),
+    choice(
+        "reference.step.min_length_is",
+        &["displacement", "base-of-support"],
+        OURS,
+        "What that is the least of: a foot's way, or the distance of the feet after the step.",
+    ),
     number("reference.step.max_length_m", "m", LENGTH, FITTED, "Longest displacement of a foot.").called("l_s"),
     number(
         "reference.step.overshoot",
