@@ -81,6 +81,11 @@ fn number(value: f64) -> String {
     format!("{value:.*}", digits.clamp(0, 6) as usize)
 }
 
+/// A time without the last digits that counting ticks leaves.
+fn time(seconds: f64) -> f64 {
+    (seconds * 1e9).round() / 1e9
+}
+
 /// The run as one JSON object; see docs/output.md.
 pub(crate) fn json(run: &Run) -> Value {
     let (outcome, fell_at_s) = match &run.outcome {
@@ -98,8 +103,8 @@ pub(crate) fn json(run: &Run) -> Value {
         "input_hash": format!("{:032x}", run.input_hash),
         "result_hash": format!("{:032x}", run.result_hash),
         "metrics": {
-            "com_error_m": pair(m.com_error_m),
-            "com_error_vertical_m": pair(m.com_error_vertical_m),
+            "com_error_m": m.com_error_m.map(pair),
+            "com_error_vertical_m": m.com_error_vertical_m.map(pair),
             "feet_error_m": pair(m.feet_error_m),
             "torso_deviation_rad": pair(m.torso_deviation_rad),
             "torque_nm": pair(m.torque_nm),
@@ -108,7 +113,7 @@ pub(crate) fn json(run: &Run) -> Value {
             "u2_n2m2": pair(m.u2_n2m2),
             "single_support_fraction": m.single_support_fraction,
             "steps": m.steps,
-            "recovery_time_s": m.recovery_time_s,
+            "recovery_time_s": m.recovery_time_s.map(time),
             "recovery_distance_m": m.recovery_distance_m,
             "mean_speed_mps": m.mean_speed_mps,
         },
@@ -140,7 +145,7 @@ pub(crate) fn json(run: &Run) -> Value {
                 "max": run.timing.tick_quantile_us(1.0),
             },
             "wall_s": run.timing.wall_s,
-            "simulated_s": simulated(run),
+            "simulated_s": time(simulated(run)),
             "real_time_factor": real_time_factor(run),
         },
     })

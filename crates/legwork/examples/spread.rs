@@ -31,9 +31,9 @@ fn main() -> io::Result<()> {
             let [low, middle, high] = [0.05, 0.5, 0.95].map(|share| at(share).unwrap_or(f64::NAN));
             writeln!(out, "  {label:<28} 5 % {low:>10.4}   median {middle:>10.4}   95 % {high:>10.4}")
         };
-        row("CoM error, mean [m]", &|run| run.metrics.com_error_m.mean)?;
-        row("CoM error, peak [m]", &|run| run.metrics.com_error_m.peak)?;
-        row("vertical, peak [m]", &|run| run.metrics.com_error_vertical_m.peak)?;
+        row("CoM error, mean [m]", &|run| run.metrics.com_error_m.map_or(f64::NAN, |error| error.mean))?;
+        row("CoM error, peak [m]", &|run| run.metrics.com_error_m.map_or(f64::NAN, |error| error.peak))?;
+        row("vertical, peak [m]", &|run| run.metrics.com_error_vertical_m.map_or(f64::NAN, |error| error.peak))?;
         row("torso deviation, peak [rad]", &|run| run.metrics.torso_deviation_rad.peak)?;
         row("feet error, mean [m]", &|run| run.metrics.feet_error_m.mean)?;
         row("feet error, peak [m]", &|run| run.metrics.feet_error_m.peak)?;

@@ -35,12 +35,13 @@ fn main() -> io::Result<()> {
                 let model = library::load_model(&scenario.model, None).expect("a built-in model");
                 let run = episode::run(&scenario, &model, &[], |_| false).expect("it can start");
                 let (m, audit) = (&run.metrics, &run.audit);
+                let com_error = m.com_error_m.unwrap_or_default();
                 writeln!(
                     out,
                     "  {:>8} {:>10.5} {:>10.4} {:>10.6} {:>10.3} {:>10.0} {:>10.2} {:>12.5} {:>12.4} {:>12.4}{}",
                     scenario.simulation.period_s * 1e3,
-                    m.com_error_m.mean,
-                    m.com_error_m.peak,
+                    com_error.mean,
+                    com_error.peak,
                     m.feet_error_m.mean,
                     m.torque_nm.mean,
                     m.u2_n2m2.mean,

@@ -34,8 +34,10 @@ pub enum Fallback {
     /// Nothing: the program was solved as it stands.
     #[default]
     None,
-    /// The bounds on joint accelerations (4.32) became costs of weight `controller.weights.braking`.
+    /// The bounds on braking joints (4.32) became costs of weight `controller.weights.braking`.
     JointLimitsYield,
+    /// The largest joint accelerations were no bounds either.
+    AccelerationsYield,
     /// Hard tasks became costs of their weights as well.
     TasksYield,
     /// No solution at all: the torques of the tick before are held.
@@ -43,11 +45,16 @@ pub enum Fallback {
 }
 
 impl Fallback {
+    /// In the order in which they are tried.
+    pub const ALL: [Self; 5] =
+        [Self::None, Self::JointLimitsYield, Self::AccelerationsYield, Self::TasksYield, Self::HoldTorque];
+
     /// It in words.
     pub fn describe(self) -> &'static str {
         match self {
             Self::None => "none",
             Self::JointLimitsYield => "joint limits yielded",
+            Self::AccelerationsYield => "acceleration limits yielded",
             Self::TasksYield => "hard tasks yielded",
             Self::HoldTorque => "torque held",
         }
@@ -112,6 +119,7 @@ impl Controller {
             &scenario.reference,
             com,
             &ground,
+            scenario.ground.known,
             model.gravity,
             settings.planner.torso_angle_deg.to_radians(),
             &observe(&dynamics, start),
@@ -173,17 +181,22 @@ impl Controller {
         tick.solves = 0;
         let tracking = inputs.tracking;
         let hard_tasks = [tracking.momentum, tracking.feet, tracking.torso].contains(&Tracking::Equality);
-        for fallback in [Fallback::None, Fallback::JointLimitsYield, Fallback::TasksYield, Fallback::HoldTorque] {
+        let is_braking = self.layout.actuated.iter().any(|&dof| bounds::braking(&inputs, dof).is_some());
+        for fallback in Fallback::ALL {
             tick.fallback = fallback;
             inputs.relaxed = Relaxation {
                 joint_limits: fallback >= Fallback::JointLimitsYield,
+                accelerations: fallback >= Fallback::AccelerationsYield,
                 tasks: fallback >= Fallback::TasksYield,
             };
-            if fallback == Fallback::HoldTorque {
-                break;
-            }
-            if fallback == Fallback::TasksYield && !hard_tasks {
-                continue;
+            match fallback {
+                Fallback::JointLimitsYield if !is_braking => continue,
+                Fallback::TasksYield if !hard_tasks => continue,
+                Fallback::HoldTorque => {
+                    tick.solution.hold_torque();
+                    break;
+                }
+                _ => {}
             }
             qp::build(&self.layout, &inputs, &mut self.problem);
             let status = self.solver.solve(&self.problem);

@@ -63,18 +63,17 @@ pub fn fall(scenario: &Scenario, model: &Model, simulator: &Simulator, sound: bo
             return at(Cause::OutOfBounds { joint: Some((dof.name.clone(), speed)) });
         }
     }
-    for (body, pose) in model.bodies.iter().zip(&dynamics.world_from_body) {
-        // Joints are the ends of the links; the root's frame and the masses' centres count as well.
-        let part = if ground.gap(&pose.translation) < 0.0 {
-            Some(&body.joint_name)
-        } else if body.mass > 0.0 && ground.gap(&pose.point(&body.com)) < 0.0 {
-            Some(&body.name)
+    for (index, body) in model.bodies.iter().enumerate().filter(|(_, body)| body.mass > 0.0) {
+        let pose = &dynamics.world_from_body[index];
+        // Joints are the ends of the links; the root has none that anybody knows.
+        let part = if index != model.root() && ground.gap(&pose.translation) < 0.0 {
+            &body.joint_name
+        } else if ground.gap(&pose.point(&body.com)) < 0.0 {
+            &body.name
         } else {
-            None
+            continue;
         };
-        if let Some(part) = part.filter(|_| body.mass > 0.0) {
-            return at(Cause::BodyTouches { part: part.clone() });
-        }
+        return at(Cause::BodyTouches { part: part.clone() });
     }
     let height = dynamics.com.z - ground.height_at(dynamics.com.x);
     let lowest = settings.min_com_height_fraction * scenario.start.com_height_m;

@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::log::{Field, Log};
 use crate::metrics::{self, Metrics};
 use crate::qp::Layout;
+use crate::reference::Phase;
 use crate::scenario::Scenario;
 use crate::sim::Simulator;
 use crate::sim::audit::Audit;
@@ -34,7 +35,7 @@ pub enum Outcome {
 pub struct ProgramCounts {
     /// Programs solved.
     pub solves: u64,
-    /// Ticks whose program had no solution as it stood.
+    /// Ticks whose program was infeasible as it stood.
     pub infeasible: u64,
     /// The first of them: when [s], and which constraints contradicted each other, in words.
     pub first_infeasible: Option<(f64, Vec<String>)>,
@@ -226,7 +227,11 @@ impl Episode {
         record.set(Field::TorsoReference, [torso.angle, torso.velocity, torso.acceleration]);
         record.set(Field::Feet, dynamics.contact_positions.iter().flat_map(|point| project(*point)));
         record.set(Field::FeetReference, reference.feet.iter().flat_map(|foot| motion(&foot.point)));
-        record.set(Field::Swing, [steps.swing_foot().map_or(-1.0, |foot| foot as f64)]);
+        let swing = match steps.phase() {
+            Phase::DoubleSupport => [-1.0, -1.0],
+            Phase::Step { foot, since, .. } => [foot as f64, since],
+        };
+        record.set(Field::Swing, swing);
         record.set(Field::Touching, self.truth.touching.iter().map(|&touching| f64::from(u8::from(touching))));
         record.set(Field::MomentumRateGoal, self.controller.planner().goal().momentum_rate.iter().copied());
         record.set(Field::Acceleration, tick.solution.qdd.iter().copied());
@@ -241,7 +246,7 @@ impl Episode {
 
         let program = &mut self.program;
         program.solves += u64::from(tick.solves);
-        program.infeasible += u64::from(tick.status != Status::Optimal);
+        program.infeasible += u64::from(tick.status == Status::Infeasible);
         program.fallbacks += u64::from(tick.fallback != crate::control::Fallback::None);
         program.iterations_max = program.iterations_max.max(tick.iterations);
         self.iterations += u64::from(tick.iterations);
@@ -327,7 +332,9 @@ pub fn run(
 /// Hash of everything that a run depends on: of what is in the files that a scenario names, not of where they lie.
 fn input_hash(scenario: &Scenario, model: &Model, samples: &[[f64; 3]]) -> u128 {
     let mut scenario = scenario.clone();
-    scenario.model.clear();
+    for name in [&mut scenario.name, &mut scenario.description, &mut scenario.model] {
+        name.clear();
+    }
     scenario.reference.com.file.clear();
     let mut hasher = xxhash_rust::xxh3::Xxh3::new();
     hasher.update(env!("CARGO_PKG_VERSION").as_bytes());

@@ -40,7 +40,7 @@ pub enum Field {
     Feet,
     /// Reference of the right, then the left foot: position, velocity, acceleration [m, m/s, m/s²].
     FeetReference,
-    /// The foot that swings: 0 right, 1 left, -1 none.
+    /// The foot that swings: 0 right, 1 left, -1 none; then when its step was triggered [s], -1 without one.
     Swing,
     /// 1 where a contact point touches the ground.
     Touching,
@@ -55,7 +55,8 @@ pub enum Field {
     /// Acceleration that the braking distance (4.32) asks a joint for [rad/s²], else 0.
     Braking,
     /// Status of the program (0 optimal, 1 infeasible, 2 iteration limit, 3 not convex, 4 invalid), fallback (0 none,
-    /// 1 joint limits yielded, 2 hard tasks yielded, 3 torque held), iterations, programs solved.
+    /// 1 joint limits yielded, 2 acceleration limits yielded, 3 hard tasks yielded, 4 torque held), iterations, programs
+    /// solved.
     Program,
     /// Sweeps of the contact solver and its residual [N] in the last step.
     Contact,
@@ -272,7 +273,7 @@ fn schema(model: &Model, layout: &Layout) -> Vec<(Field, Vec<(String, &'static s
         ),
         (Field::Feet, contacts("foot", "m")),
         (Field::FeetReference, feet),
-        (Field::Swing, one("swing", "")),
+        (Field::Swing, vec![("swing".into(), ""), ("swing_since".into(), "s")]),
         (Field::Touching, model.contacts.iter().map(|contact| (format!("touching.{}", contact.name), "")).collect()),
         (Field::MomentumRateGoal, momentum("momentum_rate_goal")),
         (Field::Acceleration, dofs("acceleration", "m/s2", "rad/s2")),

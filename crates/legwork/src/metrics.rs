@@ -17,10 +17,11 @@ pub struct MeanPeak {
 /// The figures of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Metrics {
-    /// Distance of the CoM from its reference, from `metrics.com_error_from_s` on [m].
-    pub com_error_m: MeanPeak,
-    /// Its vertical part [m].
-    pub com_error_vertical_m: MeanPeak,
+    /// Distance of the CoM from its reference, from `metrics.com_error_from_s` on [m]; none
+    /// where the run ends before.
+    pub com_error_m: Option<MeanPeak>,
+    /// Its vertical part over the same ticks [m].
+    pub com_error_vertical_m: Option<MeanPeak>,
     /// Distance of a foot from its reference, over both feet [m].
     pub feet_error_m: MeanPeak,
     /// Torso angle from its reference [rad].
@@ -42,7 +43,7 @@ pub struct Metrics {
     pub recovery_time_s: Option<f64>,
     /// Largest horizontal CoM error from the beginning of the first push on [m]; none without a push.
     pub recovery_distance_m: Option<f64>,
-    /// Way of the CoM over time [m/s].
+    /// Displacement of the CoM along x over time [m/s].
     pub mean_speed_mps: f64,
 }
 
@@ -58,8 +59,10 @@ pub fn measure(scenario: &Scenario, log: &Log) -> Metrics {
     let ticks = 0..log.len();
     let from = scenario.metrics.com_error_from_s;
     let late = ticks.clone().filter(|&i| log.time(i) >= from - 1e-9);
-    metrics.com_error_m = mean_peak(late.clone().map(|i| com_error(log, i)));
-    metrics.com_error_vertical_m = mean_peak(late.map(|i| com_offset(log, i, dimension - 1).abs()));
+    if late.clone().next().is_some() {
+        metrics.com_error_m = Some(mean_peak(late.clone().map(|i| com_error(log, i))));
+        metrics.com_error_vertical_m = Some(mean_peak(late.map(|i| com_offset(log, i, dimension - 1).abs())));
+    }
     metrics.feet_error_m = mean_peak(ticks.clone().flat_map(|i| {
         let feet = log.get(i, Field::Feet).chunks_exact(dimension);
         let references = log.get(i, Field::FeetReference).chunks_exact(3 * dimension);
@@ -76,9 +79,9 @@ pub fn measure(scenario: &Scenario, log: &Log) -> Metrics {
     let swinging = log.column(swing).filter(|&foot| foot >= 0.0).count();
     metrics.single_support_fraction = swinging as f64 / log.len() as f64;
     let mut before = -1.0;
-    for foot in log.column(swing) {
-        metrics.steps += u32::from(foot >= 0.0 && foot.to_bits() != f64::to_bits(before));
-        before = foot;
+    for since in log.column(swing + 1) {
+        metrics.steps += u32::from(since > before);
+        before = before.max(since);
     }
     let begin = scenario.pushes.iter().map(|push| push.start_s).reduce(f64::min);
     if let Some(begin) = begin.filter(|&begin| begin <= log.time(log.len() - 1)) {

@@ -102,14 +102,15 @@ const PUBLISHED: [Published; 4] = [
 /// Every figure of `metrics` beside what the thesis publishes for the scenario of that name, where it does.
 pub fn compare(scenario: &str, metrics: &Metrics) -> Vec<Row> {
     let published = PUBLISHED.iter().find(|published| published.scenarios.contains(&scenario));
-    let both = |label, unit, published: Option<(f64, f64)>, measured: MeanPeak| Row {
+    let either = |label, unit, published: Option<(f64, f64)>, measured: Option<MeanPeak>| Row {
         label,
         unit,
         published: published.map(|(mean, _)| mean),
         published_peak: published.map(|(_, peak)| peak),
-        measured: Some(measured.mean),
-        measured_peak: Some(measured.peak),
+        measured: measured.map(|figure| figure.mean),
+        measured_peak: measured.map(|figure| figure.peak),
     };
+    let both = |label, unit, published, measured| either(label, unit, published, Some(measured));
     let single = |label, unit, published: Option<f64>, measured: Option<f64>| Row {
         label,
         unit,
@@ -122,8 +123,8 @@ pub fn compare(scenario: &str, metrics: &Metrics) -> Vec<Row> {
     let one = |get: fn(&Published) -> Option<f64>| published.and_then(get);
     let m = metrics;
     vec![
-        both("CoM error", "m", pair(|p| p.com_error_m), m.com_error_m),
-        both("CoM error, vertical", "m", published.and_then(|p| p.com_error_vertical_m), m.com_error_vertical_m),
+        either("CoM error", "m", pair(|p| p.com_error_m), m.com_error_m),
+        either("CoM error, vertical", "m", published.and_then(|p| p.com_error_vertical_m), m.com_error_vertical_m),
         both("feet error", "m", pair(|p| p.feet_error_m), m.feet_error_m),
         both("torso deviation", "rad", pair(|p| p.torso_deviation_rad), m.torso_deviation_rad),
         both("joint torque", "Nm", pair(|p| p.torque_nm), m.torque_nm),

@@ -115,7 +115,7 @@ impl Walker {
             ..PointReference::default()
         };
         let ground = GroundPlane::new(&humanoid(), 0.85, 0.0);
-        Self { machine: StepMachine::new(settings, ground, GRAVITY, &observation), observation, com }
+        Self { machine: StepMachine::new(settings, ground, true, GRAVITY, &observation), observation, com }
     }
 
     /// Moves on with the CoM standing still at `x`, which is then also the XcoM.
@@ -197,7 +197,6 @@ fn touchdown_counts_after_half_of_the_step_and_latches_the_reference() {
     let latched = walker.machine.foot(0, 0.2);
     assert!((latched.position - Vector3::new(0.7, 0.0, 0.0)).norm() < 1e-12, "on the ground where it stands");
     assert!(latched.velocity.norm() < 1e-12 && latched.acceleration.norm() < 1e-12);
-    assert_eq!(walker.machine.steps(), 1);
 }
 
 #[test]

@@ -4,7 +4,7 @@ mod common;
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
-use legwork::control::{Controller, Estimate};
+use legwork::control::{Controller, Estimate, Fallback};
 use legwork::log::Field;
 use legwork::qp::{self, Inputs, Layout, Relaxation, Solution};
 use legwork::scenario::{QpForm, Scenario, Tracking};
@@ -313,18 +313,25 @@ fn joint_limits_yield_where_they_contradict_the_torque_limits() {
     let mut state = states("stand", 4000).remove(0);
     // A knee that turns fast into its limit, with hardly any torque to stop it.
     let knee = state.model.dofs.iter().position(|dof| dof.name == "right_knee").expect("the model has knees");
-    state.estimate.v[knee] = -50.0;
-    state.scenario.controller.limits.torque_nm = 5.0;
-    let mut controller = Controller::new(&state.scenario, &state.model, &[], &state.estimate).expect("the model fits");
-    let tick = controller.tick(&state.estimate);
-    assert_eq!(tick.status, Status::Infeasible);
-    assert_eq!(tick.fallback, legwork::control::Fallback::JointLimitsYield);
-    assert!(tick.braking[0] > 0.0, "the knee should brake");
-    assert!(tick.solution.qdd[knee] < tick.braking[0], "the braking is missed, and visibly so");
-    assert!(tick.solution.tau.iter().all(|torque| torque.abs() <= 5.0));
-    assert!(tick.solves == 2 && tick.iterations > 0);
-    let conflict: Vec<Constraint> = tick.conflict.clone();
-    let names: Vec<&str> = conflict.iter().map(|&constraint| controller.layout().name(constraint)).collect();
-    assert!(names.contains(&"acceleration right_knee"), "{names:?}");
-    assert!(names.iter().any(|name| name.starts_with("torque ")), "{names:?}");
+    state.estimate.q[knee] = state.model.dofs[knee].lower + 1e-3;
+    let (limit, largest) = (20.0, 1000.0);
+    state.scenario.controller.limits.torque_nm = limit;
+    for (speed, fallback) in [(-2.0, Fallback::JointLimitsYield), (-40.0, Fallback::AccelerationsYield)] {
+        state.estimate.v[knee] = speed;
+        let mut controller =
+            Controller::new(&state.scenario, &state.model, &[], &state.estimate).expect("the model fits");
+        let tick = controller.tick(&state.estimate);
+        assert_eq!(tick.status, Status::Infeasible);
+        assert_eq!(tick.fallback, fallback, "{speed} rad/s");
+        assert!(tick.braking[0] > 0.0, "the knee should brake");
+        assert!(tick.solution.qdd[knee] < tick.braking[0], "the braking is missed, and visibly so");
+        assert!(tick.solution.tau.iter().all(|torque| torque.abs() <= limit));
+        let fastest = tick.solution.qdd[3..].iter().fold(0.0, |most: f64, qdd| most.max(qdd.abs()));
+        assert_eq!(fastest > largest, fallback == Fallback::AccelerationsYield, "{fastest} rad/s2");
+        assert_eq!(tick.solves, fallback as u32 + 1);
+        let conflict: Vec<Constraint> = tick.conflict.clone();
+        let names: Vec<&str> = conflict.iter().map(|&constraint| controller.layout().name(constraint)).collect();
+        assert!(names.contains(&"acceleration right_knee"), "{names:?}");
+        assert!(names.iter().any(|name| name.starts_with("torque ")), "{names:?}");
+    }
 }

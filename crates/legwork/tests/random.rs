@@ -18,10 +18,15 @@ fn assignment(index: usize, share: f64) -> Option<String> {
             let default = setting.default().and_then(|value| value.as_float()).unwrap_or(0.0);
             let value =
                 if share < 0.5 { default * (0.2 + 3.2 * share) } else { min + (max - min) * (2.0 * share - 1.0) };
+            // Delays are whole multiples of a period.
+            let value = if path.ends_with("delay_s") { (1e3 * value).round() / 1e3 } else { value };
             Some(format!("{path}={:e}", value.clamp(min, max)))
         }
         Valid::OneOf(choices) => Some(format!("{path}={}", choices[(share * choices.len() as f64) as usize])),
         Valid::Bool => Some(format!("{path}={}", share < 0.5)),
+        Valid::Rows(_) if path == "reference.com.waypoints" => {
+            Some(format!("{path}=[[0.1, {share}, {}], [0.4, 0.3, {}]]", 1.5 * share - 0.2, 1.2 - share))
+        }
         _ => None,
     }
 }
@@ -64,6 +69,23 @@ proptest! {
         sets.push("duration_s=0.8".into());
         check(name, &sets)?;
     }
+}
+
+#[test]
+fn a_way_point_below_the_ground_gave_a_log_of_nan() {
+    let sets = ["reference.com.waypoints=[[0.5, 0.27, -0.5]]".to_owned()];
+    let loaded = scenario_file::load("waypoints", &sets).expect("in range");
+    let model = library::load_model(&loaded.scenario.model, None).expect("a built-in model");
+    let error = episode::run(&loaded.scenario, &model, &[], |_| false).expect_err("it is no place for a CoM");
+    assert!(error.to_string().contains("row 1: found z = -0.5 m"), "{error}");
+}
+
+#[test]
+fn a_run_too_short_for_the_com_error_has_none() {
+    let loaded = scenario_file::load("stand", &["duration_s=0.3".to_owned()]).expect("a built-in scenario");
+    let model = library::load_model(&loaded.scenario.model, None).expect("a built-in model");
+    let run = episode::run(&loaded.scenario, &model, &[], |_| false).expect("it can start");
+    assert_eq!((run.metrics.com_error_m, run.metrics.com_error_vertical_m), (None, None));
 }
 
 #[test]

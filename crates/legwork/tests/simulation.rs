@@ -214,6 +214,30 @@ fn a_push_changes_the_momentum_by_its_impulse() {
 }
 
 #[test]
+fn a_push_shorter_than_a_step_vanished() {
+    let q = [0.0, 20.0, -0.8, 1.0, -0.3, -2.2, -0.9];
+    for (start_s, duration_s) in [(0.05, 0.0004), (0.0507, 0.0011), (0.0503, 0.0002)] {
+        let mut scenario = Scenario::default();
+        scenario.pushes.push(Push { force_n: 1e4, start_s, duration_s, ..Push::default() });
+        let mut simulator = simulator(&scenario, &humanoid(), &q);
+        advance(&mut simulator, &[0.0; 4], 1e-3, 0.1);
+        let expected = 1e4 * duration_s / humanoid().total_mass();
+        let found = simulator.dynamics().com_velocity.x;
+        assert!((found - expected).abs() < 1e-4 * expected.max(1.0), "{duration_s} s: {found}, expected {expected}");
+    }
+}
+
+#[test]
+fn a_foot_on_unknown_ground_was_pulled_to_a_plane_that_is_a_guess() {
+    for sets in [["ground.slope_deg=5", "ground.known=false"], ["ground.slope_deg=-5", "ground.known=false"]] {
+        let run = common::run("stand", &sets);
+        assert_eq!(run.outcome, legwork::episode::Outcome::Completed, "{sets:?}: {:?}", run.reason);
+    }
+    let run = common::run("walk", &["ground.slope_deg=3", "ground.known=false"]);
+    assert_eq!(run.outcome, legwork::episode::Outcome::Completed, "{:?}", run.reason);
+}
+
+#[test]
 fn every_built_in_scenario_on_rigid_ground_keeps_the_books() {
     for name in library::scenario_names() {
         let scenario = scenario_file::load(name, &[]).expect("a built-in scenario").scenario;

@@ -51,7 +51,7 @@ fn rows(run: &Run, times: &[f64]) -> Vec<Row> {
             rows.push(Row { label, note: share(ticks), spans, class: class.unwrap_or("force") });
         }
     }
-    for fallback in [Fallback::JointLimitsYield, Fallback::TasksYield, Fallback::HoldTorque] {
+    for fallback in Fallback::ALL.into_iter().filter(|&fallback| fallback != Fallback::None) {
         let used = |index: usize| run.log.get(index, Field::Program)[1] as u8 == fallback as u8;
         let ticks = (0..times.len()).filter(|&index| used(index)).count();
         if ticks > 0 {

@@ -82,7 +82,7 @@ pub(super) fn overview(runs: &[Run]) -> Markup {
                         tr {
                             th scope="row" { a href={ "#run-" (index + 1) } { (run.scenario.name) } }
                             td.left { (badge(run)) }
-                            td { (number(m.com_error_m.mean)) }
+                            td { (optional(m.com_error_m.map(|error| error.mean))) }
                             td { (number(m.feet_error_m.mean)) }
                             td { (number(m.torque_nm.mean)) }
                             td { (m.steps) }

@@ -1,7 +1,7 @@
 //! The whole report: that it is complete, well formed, harmless, and the same each time.
 
 use legwork::episode::{Episode, Run};
-use legwork::metrics::Metrics;
+use legwork::metrics::{MeanPeak, Metrics};
 use legwork::scenario::Scenario;
 use legwork::{library, published};
 
@@ -168,7 +168,7 @@ fn the_data_of_the_animation_cannot_end_its_element() {
 fn the_table_holds_published_and_measured_figures() {
     let mut run = run_for(100, "push", &[], None);
     run.metrics = Metrics { recovery_time_s: Some(4.41), ..run.metrics };
-    run.metrics.com_error_m.mean = 0.234;
+    run.metrics.com_error_m = Some(MeanPeak { mean: 0.234, peak: 0.5 });
     let page = html(std::slice::from_ref(&run));
     for row in published::compare("push", &run.metrics) {
         if let Some(value) = row.published.or(row.measured) {

@@ -39,31 +39,28 @@ pub fn torques(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
     }
 }
 
-/// Joint limits by braking distance (4.32), for the actuated joints.
+/// Joint limits by braking distance (4.32) and the largest acceleration, for the actuated joints.
 ///
-/// Where they have yielded ([`super::Relaxation::joint_limits`]), a braking joint's bound is a cost instead.
+/// Where the former have yielded ([`super::Relaxation::joint_limits`]), a braking joint's bound is a cost instead; the
+/// latter can be dropped as well.
 pub fn accelerations(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
     let n = problem.n();
     for &dof in &layout.actuated {
         let variable = layout.qdd.start + dof;
-        let (lower, upper) = acceleration_bounds(inputs, dof);
-        if !inputs.relaxed.joint_limits {
-            problem.lower_mut()[variable] = lower;
-            problem.upper_mut()[variable] = upper;
-        } else if let Some(target) = braking(inputs, dof) {
-            problem.hessian_mut()[variable * n + variable] += 2.0 * inputs.weights.braking;
-            problem.gradient_mut()[variable] -= 2.0 * inputs.weights.braking * target;
+        let largest =
+            if inputs.relaxed.accelerations { f64::INFINITY } else { inputs.limits.joint_acceleration_radps2 };
+        let (mut lower, mut upper) = (-largest, largest);
+        match braking(inputs, dof) {
+            Some(target) if inputs.relaxed.joint_limits => {
+                problem.hessian_mut()[variable * n + variable] += 2.0 * inputs.weights.braking;
+                problem.gradient_mut()[variable] -= 2.0 * inputs.weights.braking * target;
+            }
+            Some(target) if target < 0.0 => upper = target,
+            Some(target) => lower = target,
+            None => {}
         }
-    }
-}
-
-/// Bounds on a joint's acceleration [rad/s²].
-pub fn acceleration_bounds(inputs: &Inputs<'_>, dof: usize) -> (f64, f64) {
-    let largest = inputs.limits.joint_acceleration_radps2;
-    match braking(inputs, dof) {
-        Some(target) if target < 0.0 => (-largest, target),
-        Some(target) => (target, largest),
-        None => (-largest, largest),
+        problem.lower_mut()[variable] = lower;
+        problem.upper_mut()[variable] = upper;
     }
 }
 

@@ -57,8 +57,10 @@ pub struct Inputs<'a> {
 /// What gives way in the program when it is infeasible as it stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Relaxation {
-    /// Bounds on joint accelerations become costs.
+    /// The bound on a braking joint's acceleration (4.32) becomes a cost.
     pub joint_limits: bool,
+    /// The largest joint accelerations are no bounds.
+    pub accelerations: bool,
     /// Hard tasks become costs.
     pub tasks: bool,
 }

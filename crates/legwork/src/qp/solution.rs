@@ -53,6 +53,17 @@ impl Solution {
     }
 }
 
+impl Solution {
+    /// Keeps the torques and nothing else: there is no optimum.
+    pub fn hold_torque(&mut self) {
+        self.qdd.fill(0.0);
+        self.rho.fill(0.0);
+        self.slack.momentum.fill(0.0);
+        self.slack.feet.fill(0.0);
+        self.slack.torso = 0.0;
+    }
+}
+
 /// Reads the optimum `x` of the program that [`super::build`] made of `inputs`.
 ///
 /// The last digits of a torque at its limit are clipped to the limit.

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::PointReference;
+use super::{PointReference, xcom};
 use crate::contact::GroundPlane;
 use crate::error::Error;
 use crate::scenario::{ComSettings, TrajectoryKind};
@@ -12,7 +12,7 @@ use crate::scenario::{ComSettings, TrajectoryKind};
 pub enum ComTrajectory {
     /// Stays at a point.
     Stationary(Vector3<f64>),
-    /// Constant forward velocity along the ground, from rest within a linear ramp.
+    /// Constant forward velocity (its horizontal part is given) along the ground, from rest within a linear ramp.
     ConstantVelocity {
         /// Where it starts [m].
         start: Vector3<f64>,
@@ -42,7 +42,7 @@ impl ComTrajectory {
     /// `samples` are the rows `[t, x, z]` of the file, where one is asked for.
     ///
     /// # Errors
-    /// Too few samples or way-points, or times that do not increase.
+    /// Too few samples or way-points, one that is not above the ground, or times that do not increase.
     pub fn new(
         settings: &ComSettings,
         samples: &[[f64; 3]],
@@ -58,7 +58,7 @@ impl ComTrajectory {
             }
             TrajectoryKind::Waypoints => {
                 let key = "reference.com.waypoints";
-                check_times(key, &settings.waypoints, 1)?;
+                check_rows(key, &settings.waypoints, 1, ground)?;
                 let points =
                     settings.waypoints.iter().map(|&[time, x, z]| Waypoint { time, position: Vector3::new(x, 0.0, z) });
                 let first = Waypoint { time: 0.0, position: start };
@@ -66,7 +66,7 @@ impl ComTrajectory {
                 Self::Waypoints(lead_in.into_iter().chain(points).collect())
             }
             TrajectoryKind::File => {
-                check_times(&settings.file, samples, 3)?;
+                check_rows(&settings.file, samples, 3, ground)?;
                 let spline = |column: usize| Spline::natural(samples.iter().map(|row| (row[0], row[column])).collect());
                 Self::Sampled(Box::new([spline(1), spline(2)]))
             }
@@ -97,13 +97,24 @@ impl ComTrajectory {
     }
 }
 
-/// At least `least` rows whose times increase.
-fn check_times(place: &str, rows: &[[f64; 3]], least: usize) -> Result<(), Error> {
+/// At least `least` rows, above the ground, whose times increase.
+fn check_rows(place: &str, rows: &[[f64; 3]], least: usize, ground: &GroundPlane) -> Result<(), Error> {
     if rows.len() < least {
         return Err(Error::invalid(
             place,
             format!("found {} rows [t_s, x_m, z_m]; at least {least} are needed", rows.len()),
         ));
+    }
+    for (index, &[_, x, z]) in rows.iter().enumerate() {
+        let height = z - ground.height_at(x);
+        if height < xcom::SHORTEST {
+            let problem = format!(
+                "row {}: found z = {z} m at x = {x} m, {height} m over the ground; valid is {} m or more",
+                index + 1,
+                xcom::SHORTEST
+            );
+            return Err(Error::invalid(place, problem));
+        }
     }
     for (index, pair) in rows.windows(2).enumerate() {
         if pair[1][0] <= pair[0][0] {

@@ -82,16 +82,18 @@ pub struct ReferenceGenerator {
 impl ReferenceGenerator {
     /// A generator that holds the feet where they start.
     ///
-    /// `gravity` [m/s²], `torso_angle` [rad], `start` the observation at time zero.
+    /// `ground_known` says whether `ground` is more than a guess; `gravity` [m/s²], `torso_angle` [rad], `start` the
+    /// observation at time zero.
     pub fn new(
         settings: &ReferenceSettings,
         com: ComTrajectory,
         ground: &GroundPlane,
+        ground_known: bool,
         gravity: f64,
         torso_angle: f64,
         start: &Observation,
     ) -> Self {
-        let steps = StepMachine::new(settings.step.clone(), ground.clone(), gravity, start);
+        let steps = StepMachine::new(settings.step.clone(), ground.clone(), ground_known, gravity, start);
         let mut generator = Self { com, torso_angle, steps, reference: Reference::default() };
         generator.update(start);
         generator

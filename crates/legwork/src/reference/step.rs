@@ -33,19 +33,35 @@ pub enum Phase {
 pub struct StepMachine {
     settings: StepSettings,
     ground: GroundPlane,
+    ground_known: bool,
     gravity: f64,
     phase: Phase,
     standing: [Vector3<f64>; 2],
     xcom: f64,
-    steps: u32,
 }
 
 impl StepMachine {
     /// A machine with both feet standing where they are in `start`; `gravity` [m/s²].
-    pub fn new(settings: StepSettings, ground: GroundPlane, gravity: f64, start: &Observation) -> Self {
-        let on_ground = |foot: Vector3<f64>| Vector3::new(foot.x, foot.y, ground.height_at(foot.x));
-        let standing = start.feet.map(on_ground);
-        Self { settings, ground, gravity, phase: Phase::DoubleSupport, standing, xcom: start.com.x, steps: 0 }
+    ///
+    /// Feet stand on `ground`. Where it is a guess (`ground_known` is false), they stand at the height that they have.
+    pub fn new(
+        settings: StepSettings,
+        ground: GroundPlane,
+        ground_known: bool,
+        gravity: f64,
+        start: &Observation,
+    ) -> Self {
+        let phase = Phase::DoubleSupport;
+        let mut machine =
+            Self { settings, ground, ground_known, gravity, phase, standing: start.feet, xcom: start.com.x };
+        machine.standing = start.feet.map(|foot| machine.on_ground(foot));
+        machine
+    }
+
+    /// Where a foot stands that touches the ground at `foot`.
+    fn on_ground(&self, foot: Vector3<f64>) -> Vector3<f64> {
+        let height = if self.ground_known { self.ground.height_at(foot.x) } else { foot.z };
+        Vector3::new(foot.x, foot.y, height)
     }
 
     /// What the feet are doing.
@@ -66,11 +82,6 @@ impl StepMachine {
         self.xcom
     }
 
-    /// Steps triggered so far.
-    pub fn steps(&self) -> u32 {
-        self.steps
-    }
-
     /// Moves the state machine on; `com` is the CoM's reference.
     pub fn update(&mut self, observation: &Observation, com: &PointReference) {
         let height = com.position.z - self.ground.height_at(com.position.x);
@@ -80,8 +91,7 @@ impl StepMachine {
         if let Phase::Step { foot, since, from, length } = self.phase {
             let elapsed = observation.time - since;
             if elapsed >= 0.5 * self.settings.duration_s && observation.touching[foot] {
-                let x = observation.feet[foot].x;
-                self.standing[foot] = Vector3::new(x, observation.feet[foot].y, self.ground.height_at(x));
+                self.standing[foot] = self.on_ground(observation.feet[foot]);
                 self.phase = Phase::DoubleSupport;
             } else if self.settings.replan == Replan::InSwing {
                 let left = (self.settings.duration_s - elapsed).max(0.0);
@@ -113,7 +123,6 @@ impl StepMachine {
         let from = self.standing[foot];
         let length = self.step_length(from.x, feet[1 - foot].x, direction, omega, self.settings.duration_s);
         self.phase = Phase::Step { foot, since: observation.time, from, length };
-        self.steps += 1;
     }
 
     /// Signed displacement of the foot: to the XcoM predicted for the end of the step, and somewhat further.

@@ -1,8 +1,12 @@
 //! The extrapolated centre of mass of the linear inverted pendulum. Thesis (2.4), (2.5); Hof 2005.
 
-/// Eigenfrequency of the pendulum [1/s] for `height` [m] over the ground and `gravity` [m/s²].
+/// A pendulum is no shorter than this [m].
+pub const SHORTEST: f64 = 0.1;
+
+/// Eigenfrequency of the pendulum [1/s] for `height` [m] of the CoM's reference over the ground (not less than
+/// [`SHORTEST`]) and `gravity` [m/s²].
 pub fn eigenfrequency(gravity: f64, height: f64) -> f64 {
-    libm::sqrt(gravity / height)
+    libm::sqrt(gravity / height.max(SHORTEST))
 }
 
 /// XcoM [m] from the CoM's place [m] and velocity [m/s]. Thesis (2.4)

@@ -80,11 +80,17 @@ fn conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
         return Some((&["duration_s", "controller.period_s"], problem));
     }
 
-    let delays: [(&'static [&'static str], f64); 2] = [
-        (&["simulation.sensors.delay_s", "duration_s"], simulation.sensors.delay_s),
-        (&["simulation.actuators.delay_s", "duration_s"], simulation.actuators.delay_s),
+    let delays: [(&'static [&'static str], f64, f64); 2] = [
+        (&["simulation.sensors.delay_s", "duration_s"], simulation.sensors.delay_s, control),
+        (&["simulation.actuators.delay_s", "duration_s"], simulation.actuators.delay_s, physics),
     ];
-    for (paths, delay) in delays {
+    for (paths, delay, period) in delays {
+        let periods = delay / period;
+        if (periods - periods.round()).abs() > 1e-6 {
+            let problem =
+                format!("the delay of {delay} s is {periods} periods of {period} s; valid is a whole multiple");
+            return Some((paths, problem));
+        }
         if delay >= *duration {
             return Some((paths, format!("the delay of {delay} s is not shorter than the run of {duration} s")));
         }

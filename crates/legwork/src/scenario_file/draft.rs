@@ -155,7 +155,8 @@ fn merge(
                 let path = format!("{path}{}{}", if path.is_empty() { "" } else { "." }, key.get_ref().escape_debug());
                 let place = source.place(key.span().start, &path);
                 if !table.contains_key(key.get_ref().as_ref()) {
-                    return Err(Error::invalid(place, unknown_key(&path, table)));
+                    let more = if path.contains('.') { "" } else { "; a file may also say what it extends" };
+                    return Err(Error::invalid(place, unknown_key(&path, table) + more));
                 }
                 merge(&mut table[key.get_ref().as_ref()], value.get_ref(), &path, &place, source, places)?;
             }

@@ -83,9 +83,9 @@ impl Simulator {
         Ok(simulator)
     }
 
-    /// Time [s].
+    /// Time [s], to the nanosecond: 0.695 and not 0.6950000000000001.
     pub fn time(&self) -> f64 {
-        self.step as f64 * self.settings.period_s
+        (self.step as f64 * self.settings.period_s * 1e9).round() / 1e9
     }
 
     /// Joint positions [rad, m].
@@ -136,6 +136,7 @@ impl Simulator {
     /// One step with the wanted torques of the actuated joints [Nm]. Returns false, and leaves the state as it was,
     /// where the numbers are out of bounds.
     pub fn step(&mut self, wanted: &[f64]) -> bool {
+        let time = self.time();
         let Self { settings, model, ground, state, midpoint, velocity, .. } = self;
         let dt = settings.period_s;
         let is_midpoint = settings.integrator == Integrator::Midpoint;
@@ -153,7 +154,7 @@ impl Simulator {
             return false;
         }
         self.push_force.fill(0.0);
-        let push = self.pushes.add(model, dynamics, self.step as f64 * dt, dt, &mut self.push_force);
+        let push = self.pushes.add(model, dynamics, time, dt, &mut self.push_force);
         self.damping.copy_from_slice(dynamics.damping.as_slice());
         for j in 0..self.v.len() {
             self.force[j] = self.push_force[j] - dynamics.bias[j] - dynamics.damping[j];

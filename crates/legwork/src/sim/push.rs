@@ -51,7 +51,8 @@ impl Pushes {
 
     /// Adds the generalized force of all pushes that act at `time` [s] to `force`, and returns their sum [N].
     ///
-    /// `period` is the time step: a push acts in the steps whose middle lies within it.
+    /// `period` is the time step [s]: a push that covers a part of it acts with that share of its force, so that its
+    /// impulse is exact.
     pub fn add(
         &mut self,
         model: &Model,
@@ -60,12 +61,15 @@ impl Pushes {
         period: f64,
         force: &mut [f64],
     ) -> Vector3<f64> {
-        let middle = time + 0.5 * period;
         let mut total = Vector3::zeros();
-        for (push, place, vector) in &self.pushes {
-            if middle < push.start_s || middle >= push.start_s + push.duration_s {
+        for (push, place, whole) in &self.pushes {
+            let end = push.start_s + push.duration_s;
+            let share = ((time + period).min(end) - time.max(push.start_s)) / period;
+            // What rounding leaves of a step that the push does not reach.
+            if share < 1e-9 {
                 continue;
             }
+            let vector = if share > 1.0 - 1e-9 { *whole } else { whole * share };
             total += vector;
             let jacobian = match place {
                 Place::CentreOfMass => &dynamics.com_jacobian,
@@ -76,7 +80,7 @@ impl Pushes {
                 }
             };
             for (row, axis) in model.linear_axes().iter().enumerate() {
-                let component = axis.dot(vector);
+                let component = axis.dot(&vector);
                 for (j, value) in force.iter_mut().enumerate() {
                     *value += jacobian[(row, j)] * component;
                 }

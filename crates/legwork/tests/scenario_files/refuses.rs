@@ -132,6 +132,11 @@ fn values_that_contradict_one_another() {
         &["delay of 0.3 s"],
     );
     refuses(
+        "simulation.actuators.delay_s = 0.0004\n",
+        "my.toml:1: simulation.actuators.delay_s",
+        &["0.4 periods of 0.001 s", "whole multiple"],
+    );
+    refuses(
         "[reference.step]\nmin_length_m = 1.2\n",
         "my.toml:2: reference.step.min_length_m",
         &["1.2 m is longer than the longest of 1.05 m"],
