@@ -91,6 +91,19 @@ fn every_command_in_the_documents_runs() {
     let _ = fs::remove_dir_all(&folder);
 }
 
+/// The README's example of an own scenario.
+#[test]
+fn the_scenario_in_the_readme_runs() {
+    let text = fs::read_to_string(root().join("README.md")).expect("README.md");
+    let example = text.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
+    let file = std::env::temp_dir().join(format!("legwork-readme-{}.toml", std::process::id()));
+    fs::write(&file, example).expect("a folder for temporary files");
+    let output = Command::new(env!("CARGO_BIN_EXE_legwork")).arg("run").arg(&file).output().expect("the program");
+    let _ = fs::remove_file(&file);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("completed"), "the example should stand");
+}
+
 #[test]
 fn links_between_the_documents_lead_somewhere() {
     for document in documents() {
