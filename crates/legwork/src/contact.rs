@@ -4,6 +4,8 @@
 use legwork_rbd::Model;
 use nalgebra::Vector3;
 
+use crate::scenario::Ground;
+
 /// An inclined plane through the world's origin, with Coulomb friction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroundPlane {
@@ -28,6 +30,11 @@ impl GroundPlane {
             tangents.push(Vector3::y());
         }
         Self { friction, slope, normal, tangents }
+    }
+
+    /// The true plane of a scenario, as `model` meets it.
+    pub fn of(ground: &Ground, model: &Model) -> Self {
+        Self::new(model, ground.friction, ground.slope_deg.to_radians())
     }
 
     /// Height of the ground below `x` [m].

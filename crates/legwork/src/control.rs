@@ -181,7 +181,10 @@ impl Controller {
         tick.solves = 0;
         let tracking = inputs.tracking;
         let hard_tasks = [tracking.momentum, tracking.feet, tracking.torso].contains(&Tracking::Equality);
-        let is_braking = self.layout.actuated.iter().any(|&dof| bounds::braking(&inputs, dof).is_some());
+        for (braking, &dof) in tick.braking.iter_mut().zip(&self.layout.actuated) {
+            *braking = bounds::braking(&inputs, dof).unwrap_or(0.0);
+        }
+        let is_braking = tick.braking.iter().any(|&acceleration| acceleration != 0.0);
         for fallback in Fallback::ALL {
             tick.fallback = fallback;
             inputs.relaxed = Relaxation {
@@ -222,9 +225,6 @@ impl Controller {
                 }
             }
         }
-        for (index, &dof) in self.layout.actuated.iter().enumerate() {
-            tick.braking[index] = bounds::braking(&inputs, dof).unwrap_or(0.0);
-        }
         tick
     }
 
@@ -261,11 +261,6 @@ impl Controller {
     /// The program's layout, with the names of its limits.
     pub fn layout(&self) -> &Layout {
         &self.layout
-    }
-
-    /// The program as it was last built.
-    pub fn problem(&self) -> &Problem {
-        &self.problem
     }
 }
 

@@ -127,7 +127,7 @@ impl Episode {
     /// none that the controller can drive.
     pub fn new(scenario: &Scenario, model: &Model, samples: &[[f64; 3]]) -> Result<Self, Error> {
         check_model(model)?;
-        let ground = GroundPlane::new(model, scenario.ground.friction, scenario.ground.slope_deg.to_radians());
+        let ground = GroundPlane::of(&scenario.ground, model);
         let q = start_pose(scenario, model, &ground)?;
         let simulator = Simulator::new(scenario, model, q.as_slice())?;
         let touching = (0..model.contacts.len()).map(|contact| simulator.touching(contact)).collect();
@@ -259,21 +259,6 @@ impl Episode {
     /// Time simulated so far [s].
     pub fn time(&self) -> f64 {
         self.simulator.time()
-    }
-
-    /// The log so far.
-    pub fn log(&self) -> &Log {
-        &self.log
-    }
-
-    /// The simulator.
-    pub fn simulator(&self) -> &Simulator {
-        &self.simulator
-    }
-
-    /// The controller.
-    pub fn controller(&self) -> &Controller {
-        &self.controller
     }
 
     /// Ends the run and takes its figures.

@@ -194,14 +194,7 @@ impl Layout {
 
 /// `x`, `y` or `z`: the name of a linear axis.
 pub(crate) fn axis_name(model: &Model, row: usize) -> char {
-    let axis = model.linear_axes()[row];
-    if axis.x > 0.5 {
-        'x'
-    } else if axis.y > 0.5 {
-        'y'
-    } else {
-        'z'
-    }
+    ['x', 'y', 'z'][model.linear_axes()[row].imax()]
 }
 
 /// `-1` at the lower side, `1` at the upper.

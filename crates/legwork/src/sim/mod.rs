@@ -56,7 +56,7 @@ impl Simulator {
     pub fn new(scenario: &Scenario, model: &Model, q: &[f64]) -> Result<Self, Error> {
         let settings = scenario.simulation.clone();
         let (nv, d, contacts) = (model.nv(), model.linear_axes().len(), model.contacts.len());
-        let ground = GroundPlane::new(model, scenario.ground.friction, scenario.ground.slope_deg.to_radians());
+        let ground = GroundPlane::of(&scenario.ground, model);
         let mut simulator = Self {
             pushes: Pushes::new(&scenario.pushes, model)?,
             actuators: Actuators::new(&settings.actuators, model, settings.period_s),
