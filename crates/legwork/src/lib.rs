@@ -34,3 +34,4 @@ pub mod scenario_file;
 pub mod settings;
 pub mod sim;
 pub mod start;
+pub mod study;

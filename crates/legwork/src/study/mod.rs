@@ -1,0 +1,1 @@
+//! Studies: many rollouts by a plan, and what they say together.
