@@ -22,6 +22,8 @@ const SCENARIOS: &[Entry] = &[
     ("walk-slope", include_str!("../../../scenarios/walk-slope.toml")),
     ("walk-baseline", include_str!("../../../scenarios/walk-baseline.toml")),
     ("push-baseline", include_str!("../../../scenarios/push-baseline.toml")),
+    ("walk-support-baseline", include_str!("../../../scenarios/walk-support-baseline.toml")),
+    ("push-support-baseline", include_str!("../../../scenarios/push-support-baseline.toml")),
     ("waypoints", include_str!("../../../scenarios/waypoints.toml")),
     ("walk-spring-damper", include_str!("../../../scenarios/walk-spring-damper.toml")),
 ];

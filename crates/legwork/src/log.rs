@@ -131,12 +131,12 @@ impl Log {
     }
 
     /// All records.
-    pub fn records(&self) -> impl ExactSizeIterator<Item = &[f64]> {
+    pub fn records(&self) -> impl ExactSizeIterator<Item = &[f64]> + Clone {
         self.values.chunks_exact(self.columns.len())
     }
 
     /// All values of the column at `index`.
-    pub fn column(&self, index: usize) -> impl Iterator<Item = f64> + '_ {
+    pub fn column(&self, index: usize) -> impl Iterator<Item = f64> + Clone + '_ {
         self.records().map(move |record| record[index])
     }
 

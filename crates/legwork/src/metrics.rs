@@ -45,7 +45,85 @@ pub struct Metrics {
     pub recovery_distance_m: Option<f64>,
     /// Displacement of the CoM along x over time [m/s].
     pub mean_speed_mps: f64,
+    /// What each actuated joint was used for.
+    pub joints: Vec<JointUse>,
 }
+
+/// What an actuator had to deliver: of the torque that acted on the joint, and the joint's speed at the same tick.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct JointUse {
+    /// The joint's name.
+    pub joint: String,
+    /// Largest absolute torque [Nm].
+    pub torque_peak_nm: f64,
+    /// Root of the mean squared torque [Nm].
+    pub torque_rms_nm: f64,
+    /// Largest absolute speed [rad/s].
+    pub speed_peak_radps: f64,
+    /// Largest absolute power [W].
+    pub power_peak_w: f64,
+    /// Mean absolute power [W].
+    pub power_mean_w: f64,
+}
+
+/// A figure of a run as a single number.
+#[derive(Clone, Copy, Debug)]
+pub struct Figure {
+    /// Its name, as `com_error_m.mean`.
+    pub name: &'static str,
+    /// It in words, without the mean or peak that its name says.
+    pub label: &'static str,
+    /// Its unit, or nothing.
+    pub unit: &'static str,
+    /// Its value in the metrics of a run; none where the run has none.
+    pub of: fn(&Metrics) -> Option<f64>,
+}
+
+const fn figure(
+    name: &'static str,
+    label: &'static str,
+    unit: &'static str,
+    of: fn(&Metrics) -> Option<f64>,
+) -> Figure {
+    Figure { name, label, unit, of }
+}
+
+/// Every figure that is not one of a joint.
+pub const FIGURES: &[Figure] = &[
+    figure("com_error_m.mean", "CoM error", "m", |m| m.com_error_m.map(|f| f.mean)),
+    figure("com_error_m.peak", "CoM error", "m", |m| m.com_error_m.map(|f| f.peak)),
+    figure("com_error_vertical_m.mean", "vertical CoM error", "m", |m| m.com_error_vertical_m.map(|f| f.mean)),
+    figure("com_error_vertical_m.peak", "vertical CoM error", "m", |m| m.com_error_vertical_m.map(|f| f.peak)),
+    figure("feet_error_m.mean", "feet error", "m", |m| Some(m.feet_error_m.mean)),
+    figure("feet_error_m.peak", "feet error", "m", |m| Some(m.feet_error_m.peak)),
+    figure("torso_deviation_rad.mean", "torso deviation", "rad", |m| Some(m.torso_deviation_rad.mean)),
+    figure("torso_deviation_rad.peak", "torso deviation", "rad", |m| Some(m.torso_deviation_rad.peak)),
+    figure("torque_nm.mean", "joint torque", "Nm", |m| Some(m.torque_nm.mean)),
+    figure("torque_nm.peak", "joint torque", "Nm", |m| Some(m.torque_nm.peak)),
+    figure("grf_n.mean", "ground reaction force", "N", |m| Some(m.grf_n.mean)),
+    figure("grf_n.peak", "ground reaction force", "N", |m| Some(m.grf_n.peak)),
+    figure("grf_simulated_n.mean", "simulated ground reaction force", "N", |m| Some(m.grf_simulated_n.mean)),
+    figure("grf_simulated_n.peak", "simulated ground reaction force", "N", |m| Some(m.grf_simulated_n.peak)),
+    figure("u2_n2m2.mean", "u²", "N²m²", |m| Some(m.u2_n2m2.mean)),
+    figure("u2_n2m2.peak", "u²", "N²m²", |m| Some(m.u2_n2m2.peak)),
+    figure("single_support_fraction", "single support", "", |m| Some(m.single_support_fraction)),
+    figure("steps", "steps", "", |m| Some(f64::from(m.steps))),
+    figure("recovery_time_s", "recovery time", "s", |m| m.recovery_time_s),
+    figure("recovery_distance_m", "recovery distance", "m", |m| m.recovery_distance_m),
+    figure("mean_speed_mps", "mean speed", "m/s", |m| Some(m.mean_speed_mps)),
+];
+
+/// A figure of a [`JointUse`]: its key, it in words, its unit, its value.
+pub type JointFigure = (&'static str, &'static str, &'static str, fn(&JointUse) -> f64);
+
+/// The figures of each joint; in a table of runs the first is called `joint.right_hip.torque_peak_nm`.
+pub const JOINT_FIGURES: [JointFigure; 5] = [
+    ("torque_peak_nm", "peak torque", "Nm", |j| j.torque_peak_nm),
+    ("torque_rms_nm", "RMS torque", "Nm", |j| j.torque_rms_nm),
+    ("speed_peak_radps", "peak speed", "rad/s", |j| j.speed_peak_radps),
+    ("power_peak_w", "peak power", "W", |j| j.power_peak_w),
+    ("power_mean_w", "mean power", "W", |j| j.power_mean_w),
+];
 
 /// Takes the figures of a `log`.
 pub fn measure(scenario: &Scenario, log: &Log) -> Metrics {
@@ -75,6 +153,8 @@ pub fn measure(scenario: &Scenario, log: &Log) -> Metrics {
     metrics.grf_simulated_n = mean_peak(ticks.clone().flat_map(|i| contact(i, Field::GrfSimulated)));
     metrics.u2_n2m2 = mean_peak(ticks.clone().map(|i| log.get(i, Field::Torque).iter().map(|t| t * t).sum()));
 
+    metrics.joints = joints(log);
+
     let swing = log.range(Field::Swing).start;
     let swinging = log.column(swing).filter(|&foot| foot >= 0.0).count();
     metrics.single_support_fraction = swinging as f64 / log.len() as f64;
@@ -101,6 +181,29 @@ pub fn measure(scenario: &Scenario, log: &Log) -> Metrics {
         metrics.mean_speed_mps = (log.get(last, Field::Com)[0] - log.get(first, Field::Com)[0]) / time;
     }
     metrics
+}
+
+/// What each actuated joint was used for, after Thesis 5.3; the names are those of the torques' columns.
+fn joints(log: &Log) -> Vec<JointUse> {
+    let name = |column: usize| log.columns()[column].name.split_once('.').map_or("", |(_, name)| name);
+    let torques = log.range(Field::TorqueApplied);
+    torques
+        .map(|torque| {
+            let joint = name(torque).to_owned();
+            let speed = log.range(Field::V).find(|&column| name(column) == joint).expect("an actuated joint moves");
+            let used = log.column(torque).zip(log.column(speed));
+            let of = |figure: fn(f64, f64) -> f64| mean_peak(used.clone().map(|(t, v)| figure(t, v)));
+            let (squared, power) = (of(|t, _| t * t), of(|t, v| (t * v).abs()));
+            JointUse {
+                joint,
+                torque_peak_nm: libm::sqrt(squared.peak),
+                torque_rms_nm: libm::sqrt(squared.mean),
+                speed_peak_radps: of(|_, v| v.abs()).peak,
+                power_peak_w: power.peak,
+                power_mean_w: power.mean,
+            }
+        })
+        .collect()
 }
 
 /// Distance of the CoM from its reference in record `index` [m].

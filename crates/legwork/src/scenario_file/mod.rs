@@ -109,6 +109,14 @@ pub fn parse(text: &str, file_name: &str, folder: Option<&Path>, sets: &[String]
     resolve(Origin { identity: PathBuf::from(&file_name), file_name, folder, text: Cow::Borrowed(text) }, sets)
 }
 
+/// A scenario from its tree of values; `name` is for what no setting can be blamed for.
+///
+/// # Errors
+/// A value, or a pair of values, is not valid.
+pub(crate) fn check(tree: toml::Value, name: &str) -> Result<Scenario, Error> {
+    Draft { tree, places: Places::default() }.check(name)
+}
+
 fn resolve(origin: Origin, sets: &[String]) -> Result<Loaded, Error> {
     let mut draft = origin.draft(&mut Vec::new())?;
     for assignment in sets {
