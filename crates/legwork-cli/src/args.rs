@@ -17,6 +17,19 @@ Exit code: 0 done (a fall is a result), 1 a file could not be read or written,
 or a fall under --expect-standing, 2 wrong invocation or input, 130 interrupted
 (Ctrl-C keeps what was simulated so far).";
 
+const STUDY_HELP: &str = "\
+Examples:
+  legwork study torque-limit
+  legwork show feet-weight > my-study.toml
+  legwork study my-study.toml --out my-study --threads 2
+  legwork study interactions --shard 1/4 --out part
+
+A study is kept in its folder while it runs: Ctrl-C loses nothing, and the same
+command goes on where it was. docs/studies.md has the format of the files.
+
+Exit code: 0 done (falls are results), 1 a file could not be read or written,
+2 wrong invocation or input, 130 interrupted.";
+
 const INSPECT_HELP: &str = "\
 Examples:
   legwork inspect planar_humanoid
@@ -48,10 +61,13 @@ pub(crate) enum Command {
     /// Simulate scenarios and print their figures beside the thesis's
     #[command(after_help = RUN_HELP)]
     Run(RunArgs),
-    /// List models, scenarios, and every setting with unit, default, range and source
+    /// Run a study: scenarios over many values of their settings, on all cores
+    #[command(after_help = STUDY_HELP, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+    Study(StudyArgs),
+    /// List models, scenarios, studies, and every setting with unit, default, range and source
     #[command(after_help = "Example:\n  legwork list settings")]
     List(ListArgs),
-    /// Print a scenario with all its settings, as a file that can be saved and run
+    /// Print a scenario with all its settings, or a study, as a file that can be saved and run
     #[command(after_help = "Example:\n  legwork show push > my-push.toml")]
     Show(ShowArgs),
     /// Show a robot model (TOML or URDF): tree, masses, limits, contacts, warnings; with a state also its dynamics
@@ -99,6 +115,53 @@ pub(crate) struct RunArgs {
     pub(crate) expect_standing: bool,
 }
 
+/// Options of `study`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct StudyArgs {
+    #[command(subcommand)]
+    pub(crate) command: Option<StudyCommand>,
+    /// Built-in studies (see `legwork list studies`) or TOML files
+    #[arg(required = true, value_name = "STUDY")]
+    pub(crate) studies: Vec<String>,
+    /// Change a setting of every scenario
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub(crate) sets: Vec<String>,
+    /// Folder for the rollouts, tables, figures and report, instead of legwork-STUDY
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Number of threads, instead of one a core
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// Do only a part of the work, as in 2/8: for arrays of jobs on several machines
+    #[arg(long, value_name = "I/N")]
+    pub(crate) shard: Option<String>,
+    /// Print one JSON object a study instead of tables
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// What else `study` can do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum StudyCommand {
+    /// Join what shards did, and make tables and report of it
+    #[command(after_help = "Example:\n  legwork study merge node-1 node-2 --into all")]
+    Merge(MergeArgs),
+}
+
+/// Options of `study merge`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct MergeArgs {
+    /// Folders of shards of one study
+    #[arg(required = true, value_name = "DIR")]
+    pub(crate) folders: Vec<PathBuf>,
+    /// Folder for the whole, instead of the first
+    #[arg(long, value_name = "DIR")]
+    pub(crate) into: Option<PathBuf>,
+    /// Print a JSON object instead of tables
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
 /// Options of `list`.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ListArgs {
@@ -117,6 +180,8 @@ pub(crate) enum Listing {
     Models,
     /// Built-in scenarios
     Scenarios,
+    /// Built-in studies
+    Studies,
     /// Every setting of a scenario
     Settings,
 }
@@ -124,7 +189,7 @@ pub(crate) enum Listing {
 /// Options of `show`.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ShowArgs {
-    /// A built-in scenario or a TOML file
+    /// A built-in scenario, a TOML file of one, or a built-in study
     pub(crate) scenario: String,
     /// Change a setting
     #[arg(long = "set", value_name = "PATH=VALUE")]

@@ -1,7 +1,9 @@
 //! `legwork list` and `legwork show`: what there is and what can be set.
 
+use legwork::error::Error;
 use legwork::scenario::Scenario;
 use legwork::settings::{SETTINGS, Setting};
+use legwork::study::Study;
 use legwork::{library, scenario_file};
 use legwork_rbd::Model;
 use serde_json::{Value, json};
@@ -29,6 +31,15 @@ pub(crate) fn list(options: &ListArgs, output: &mut Output) -> Result<(), Failur
         let width = scenarios.iter().map(|s| s.name.len()).max().unwrap_or(0);
         let line = |s: &Scenario| folded(&format!("  {:<width$}  {}", s.name, s.description), width + 4);
         sections.push(("scenarios", scenarios.iter().map(line).collect()));
+    }
+    if wanted(Listing::Studies) {
+        let studies = library::study_names().map(|name| Study::load(name, &[])).collect::<Result<Vec<_>, _>>()?;
+        let study_json = |s: &Study| json!({ "name": s.name, "description": s.description, "rollouts": s.len(), "design": s.design });
+        object.insert("studies".into(), studies.iter().map(study_json).collect());
+        let width = studies.iter().map(|s| s.name.len()).max().unwrap_or(0);
+        let line =
+            |s: &Study| folded(&format!("  {:<width$}  {} {} rollouts.", s.name, s.description, s.len()), width + 4);
+        sections.push(("studies", studies.iter().map(line).collect()));
     }
     if wanted(Listing::Settings) {
         object.insert("settings".into(), SETTINGS.iter().map(setting_json).collect());
@@ -96,6 +107,13 @@ fn setting_json(setting: &Setting) -> Value {
 }
 
 pub(crate) fn show(options: &ShowArgs, output: &mut Output) -> Result<(), Failure> {
+    if let Some(text) = library::study_text(&options.scenario) {
+        if let Some(set) = options.sets.first() {
+            let problem = "a study is shown as it is; give this to `legwork study`";
+            return Err(Error::invalid(format!("--set {}", set.escape_debug()), problem).into());
+        }
+        return output.line(text.trim_end());
+    }
     let loaded = scenario_file::load(&options.scenario, &options.sets)?;
     output.line(scenario_file::to_toml(&loaded.portable()).trim_end())
 }

@@ -1,4 +1,4 @@
-//! The program `legwork`: runs scenarios, shows what there is, inspects models.
+//! The program `legwork`: runs scenarios and studies, shows what there is, inspects models.
 //!
 //! Data goes to stdout, words to stderr. Exit code 0: done what was asked (a simulated fall is a result); 1: a file
 //! could not be read or written, or a robot fell under `--expect-standing`; 2: a wrong invocation or file.
@@ -6,16 +6,19 @@
 mod args;
 mod inspect;
 mod list;
+mod long_work;
 mod output;
 mod report;
 mod run;
+mod study;
+mod study_summary;
 mod summary;
 
 use std::process::ExitCode;
 
 use clap::Parser;
 
-use args::{Args, Command};
+use args::{Args, Command, StudyCommand};
 use output::{Failure, Output};
 
 fn main() -> ExitCode {
@@ -23,6 +26,10 @@ fn main() -> ExitCode {
     let mut output = Output::stdout();
     let done = match args.command.unwrap_or_else(Command::main_job) {
         Command::Run(options) => run::run(&options, &mut output),
+        Command::Study(options) => match &options.command {
+            Some(StudyCommand::Merge(options)) => study::merge(options, &mut output),
+            None => study::run(&options, &mut output),
+        },
         Command::List(options) => list::list(&options, &mut output).map(|()| ExitCode::SUCCESS),
         Command::Show(options) => list::show(&options, &mut output).map(|()| ExitCode::SUCCESS),
         Command::Inspect(options) => inspect::inspect(&options, &mut output).map(|()| ExitCode::SUCCESS),

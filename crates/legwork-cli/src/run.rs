@@ -3,10 +3,7 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use legwork::episode::{Episode, Outcome, Run};
 use legwork::error::Error;
 use legwork::scenario::Scenario;
@@ -14,25 +11,15 @@ use legwork::{episode, log_file, scenario_file};
 use legwork_rbd::Model;
 
 use crate::args::RunArgs;
+use crate::long_work::{INTERRUPTED, Progress, interrupted, listen_for_interrupt};
 use crate::output::{Failure, Output, check_writable, say, write_file, write_text};
 use crate::{report, summary};
-
-/// Whether Ctrl-C was pressed.
-static STOP: AtomicBool = AtomicBool::new(false);
-
-/// Progress shows where a run takes longer than this.
-const PATIENCE: Duration = Duration::from_secs(2);
 
 pub(crate) fn run(options: &RunArgs, output: &mut Output) -> Result<ExitCode, Failure> {
     // Wrong files and unwritable places are found before anything runs.
     let jobs = jobs(options)?;
     check_outputs(options, &jobs)?;
-    // A second handler in one process cannot be set; then Ctrl-C just ends the program.
-    let _ = ctrlc::set_handler(|| {
-        if STOP.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(INTERRUPTED));
-        }
-    });
+    listen_for_interrupt();
 
     let (mut fell, mut reported, mut printed) = (false, Vec::new(), Ok(()));
     for job in &jobs {
@@ -64,13 +51,6 @@ pub(crate) fn run(options: &RunArgs, output: &mut Output) -> Result<ExitCode, Fa
         (false, true) => ExitCode::from(1),
         (false, false) => ExitCode::SUCCESS,
     })
-}
-
-/// Exit code after Ctrl-C, as shells have it: 128 and the number of the signal.
-const INTERRUPTED: u8 = 130;
-
-fn interrupted() -> bool {
-    STOP.load(Ordering::Relaxed)
 }
 
 /// A scenario with all that it names.
@@ -157,15 +137,13 @@ fn check_outputs(options: &RunArgs, jobs: &[Job]) -> Result<(), Failure> {
 
 impl Job {
     fn run(&self) -> Result<Run, Error> {
-        let bar = progress(&self.label, self.scenario.duration_s);
-        let begin = Instant::now();
+        let length = (self.scenario.duration_s * 1e3) as u64;
+        let bar = Progress::new(&self.label, length, "{percent} % simulated");
         let run = episode::run(&self.scenario, &self.model, &self.samples, |time| {
-            if begin.elapsed() > PATIENCE {
-                bar.set_position((time * 1e3) as u64);
-            }
+            bar.tell((time * 1e3) as u64);
             interrupted()
         });
-        bar.finish_and_clear();
+        bar.finish();
         run
     }
 
@@ -191,13 +169,4 @@ impl Job {
         }
         run
     }
-}
-
-/// A bar on a terminal, which stays hidden until it is moved.
-fn progress(name: &str, duration: f64) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some((duration * 1e3) as u64), ProgressDrawTarget::stderr());
-    let style = ProgressStyle::with_template("{msg} {bar:30} {percent} % simulated, {eta} left");
-    bar.set_style(style.expect("the template is valid"));
-    bar.set_message(name.to_owned());
-    bar
 }

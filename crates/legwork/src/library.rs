@@ -1,4 +1,4 @@
-//! The built-in models and scenarios, and the data files that a scenario may name.
+//! The built-in models, scenarios and studies, and the data files that a scenario may name.
 
 use std::path::Path;
 
@@ -28,6 +28,25 @@ const SCENARIOS: &[Entry] = &[
     ("walk-spring-damper", include_str!("../../../scenarios/walk-spring-damper.toml")),
 ];
 
+const STUDIES: &[Entry] = &[
+    ("torque-limit", include_str!("../../../studies/torque-limit.toml")),
+    ("grf-limit", include_str!("../../../studies/grf-limit.toml")),
+    ("grf-weight", include_str!("../../../studies/grf-weight.toml")),
+    ("acceleration-weight", include_str!("../../../studies/acceleration-weight.toml")),
+    ("momentum-weight", include_str!("../../../studies/momentum-weight.toml")),
+    ("feet-weight", include_str!("../../../studies/feet-weight.toml")),
+    ("torso-weight", include_str!("../../../studies/torso-weight.toml")),
+    ("com-gain", include_str!("../../../studies/com-gain.toml")),
+    ("foot-gain", include_str!("../../../studies/foot-gain.toml")),
+    ("interactions", include_str!("../../../studies/interactions.toml")),
+    ("screening", include_str!("../../../studies/screening.toml")),
+    ("wearer", include_str!("../../../studies/wearer.toml")),
+    ("ground", include_str!("../../../studies/ground.toml")),
+    ("pushes", include_str!("../../../studies/pushes.toml")),
+    ("sensing", include_str!("../../../studies/sensing.toml")),
+    ("step-time", include_str!("../../../studies/step-time.toml")),
+];
+
 /// The names of the built-in models.
 pub fn model_names() -> impl Iterator<Item = &'static str> {
     MODELS.iter().map(|(name, _)| *name)
@@ -46,6 +65,16 @@ pub fn scenario_names() -> impl Iterator<Item = &'static str> {
 /// The file of a built-in scenario.
 pub fn scenario_text(name: &str) -> Option<&'static str> {
     text(SCENARIOS, name)
+}
+
+/// The names of the built-in studies.
+pub fn study_names() -> impl Iterator<Item = &'static str> {
+    STUDIES.iter().map(|(name, _)| *name)
+}
+
+/// The file of a built-in study.
+pub fn study_text(name: &str) -> Option<&'static str> {
+    text(STUDIES, name)
 }
 
 fn text(entries: &[Entry], name: &str) -> Option<&'static str> {

@@ -3,7 +3,7 @@
 use legwork_rbd::{Model, ModelError};
 use toml::Value;
 
-use crate::episode::Episode;
+use crate::episode::{self, Episode};
 use crate::error::Error;
 use crate::scenario::Scenario;
 use crate::scenario_file::{self, Loaded};
@@ -136,6 +136,11 @@ impl Variant {
     /// As [`Episode::new`].
     pub fn check(&self) -> Result<(), Error> {
         Episode::new(&self.scenario, &self.model, &self.samples).map(drop)
+    }
+
+    /// Hash of all that a run of it depends on.
+    pub fn input_hash(&self) -> u128 {
+        episode::input_hash(&self.scenario, &self.model, &self.samples)
     }
 }
 

@@ -60,6 +60,11 @@ impl Rollout {
         self.ending == Ending::Completed
     }
 
+    /// What could not be run, and why.
+    pub fn invalid(reason: String) -> Self {
+        Self::without_figures(Ending::Invalid, reason)
+    }
+
     fn without_figures(ending: Ending, reason: String) -> Self {
         let (input_hash, result_hash) = (String::new(), String::new());
         Self {
@@ -97,7 +102,7 @@ pub fn run(variant: &Variant, stop: impl Fn() -> bool) -> Option<Rollout> {
     match tried {
         Ok(Ok(run)) if matches!(run.outcome, Outcome::Stopped) => None,
         Ok(Ok(run)) => Some(Rollout::of(&run)),
-        Ok(Err(error)) => Some(Rollout::without_figures(Ending::Invalid, error.to_string())),
+        Ok(Err(error)) => Some(Rollout::invalid(error.to_string())),
         Err(panic) => {
             let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
             let reason = format!("a defect of the program: {}", text.unwrap_or("without words"));

@@ -1,0 +1,217 @@
+//! What `study` prints: tables for people, a JSON object for programs.
+
+use std::fmt::Write as _;
+
+use legwork::error::Error;
+use legwork::study::design::Design;
+use legwork::study::results::{Endings, Results, SURVIVED};
+use legwork::study::sensitivity::{Bootstrap, Estimate};
+use legwork::study::{Ending, Level};
+use serde_json::{Map, Value, json};
+
+use crate::output::folded;
+
+/// The intervals of the indices: percentile bootstrap of the base samples.
+pub(crate) const BOOTSTRAP: Bootstrap = Bootstrap { resamples: 1000, level: 0.95, seed: 1 };
+
+/// The study in tables, scenario by scenario.
+pub(crate) fn text(results: &Results) -> Result<String, Error> {
+    let study = results.study;
+    let mut text = folded(&format!("{}: {} {} rollouts", study.name, study.description, study.len()), 2);
+    for (number, base) in study.bases.iter().enumerate() {
+        let _ = write!(text, "\n\n{}: {}", base.name(), endings(&results.endings(number)));
+        match study.design {
+            Design::OneAtATime => {
+                for factor in 0..study.factors.len() {
+                    text += &sweep(results, number, factor);
+                }
+            }
+            Design::Saltelli { .. } => text += &sobol(results, number)?,
+            Design::Morris { .. } => text += &morris(results, number)?,
+            Design::Grid | Design::LatinHypercube { .. } | Design::SobolSequence { .. } => {}
+        }
+    }
+    text.push('\n');
+    Ok(text)
+}
+
+/// How many fell, and of what.
+pub(crate) fn endings(endings: &Endings) -> String {
+    let Endings { rollouts, completed, fell, invalid, failed, causes } = endings;
+    let mut text = format!("{completed} of {rollouts} on their feet to the end");
+    if *fell > 0 {
+        let mut causes: Vec<_> = causes.iter().collect();
+        causes.sort_by_key(|(name, count)| (std::cmp::Reverse(**count), (*name).clone()));
+        let causes: Vec<String> = causes.iter().map(|(cause, count)| format!("{cause} {count}")).collect();
+        let _ = write!(text, ", {fell} fell");
+        if !causes.is_empty() {
+            let _ = write!(text, " ({})", causes.join(", "));
+        }
+    }
+    for (count, what) in [(invalid, "could not be run"), (failed, "failed by a defect of the program")] {
+        if *count > 0 {
+            let _ = write!(text, ", {count} {what}");
+        }
+    }
+    text
+}
+
+/// Columns of a table that fit a terminal.
+const COLUMNS: usize = 5;
+
+/// A factor's levels with the first of the study's metrics, or why there are none.
+fn sweep(results: &Results, base: usize, factor: usize) -> String {
+    let means = |name: &str| !name.ends_with(".peak");
+    let shown: Vec<usize> =
+        (0..results.columns.len()).filter(|&i| means(&results.columns[i].name)).take(COLUMNS).collect();
+    let mut text = format!("\n  {:<24}", results.study.factors[factor].label());
+    for &metric in &shown {
+        let name = results.columns[metric].name.split('.').next().unwrap_or_default();
+        let _ = write!(text, "{:>11}", short(name));
+    }
+    for (level, row) in results.sweep(base, factor) {
+        let _ = write!(text, "\n  {:<24}", level_text(&level));
+        if row.ending == Ending::Completed {
+            shown.iter().for_each(|&metric| {
+                let _ = write!(text, "{:>11}", row.metrics[metric].map_or("none".to_owned(), digits));
+            });
+        } else {
+            let when = row.fell_at_s.map_or(String::new(), |time| format!(" at {time:.2} s"));
+            let cause = row.cause.as_ref().map_or(String::new(), |cause| format!(": {cause}"));
+            let _ = write!(text, "     {}{when}{cause}", row.ending.name());
+        }
+    }
+    text
+}
+
+/// A name that fits its column.
+fn short(name: &str) -> String {
+    name.replace("_deviation", "").replace("_error", "").chars().take(10).collect()
+}
+
+pub(crate) fn level_text(level: &Level) -> String {
+    level.number().map_or_else(|| level.to_string(), digits)
+}
+
+/// Four significant digits.
+pub(crate) fn digits(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        size if !(1e-3..1e5).contains(&size) => format!("{value:.2e}"),
+        size => {
+            let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+            let text = format!("{value:.digits$}");
+            let trimmed = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+            trimmed.to_owned()
+        }
+    }
+}
+
+/// The factors in the order of their total index, for survival and each metric.
+fn sobol(results: &Results, base: usize) -> Result<String, Error> {
+    let mut text = String::new();
+    for sensitivity in results.sobol(base, &BOOTSTRAP)? {
+        let _ = write!(text, "\n  {}", sensitivity.metric);
+        let Some(shares) = &sensitivity.indices.shares else {
+            text += ": the same in all rollouts";
+            continue;
+        };
+        let _ = write!(text, "\n    {:<24}{:>24}{:>24}", "", "first order", "total");
+        let mut order: Vec<usize> = (0..shares.total.len()).collect();
+        order.sort_by(|&a, &b| shares.total[b].value.total_cmp(&shares.total[a].value));
+        for factor in order {
+            let name = &results.study.factors[factor].name;
+            let (first, total) = (interval(&shares.first[factor]), interval(&shares.total[factor]));
+            let _ = write!(text, "\n    {name:<24}{first:>24}{total:>24}");
+        }
+    }
+    Ok(text)
+}
+
+/// The factors in the order of their mean absolute effect, for survival and each metric.
+fn morris(results: &Results, base: usize) -> Result<String, Error> {
+    let mut text = String::new();
+    for (metric, effects) in results.morris(base, &BOOTSTRAP)? {
+        let _ = write!(text, "\n  {metric}\n    {:<24}{:>28}{:>12}", "", "mean absolute effect", "deviation");
+        let mut order: Vec<usize> = (0..effects.len()).collect();
+        order.sort_by(|&a, &b| effects[b].mu_star.value.total_cmp(&effects[a].mu_star.value));
+        for factor in order {
+            let (name, effect) = (&results.study.factors[factor].name, &effects[factor]);
+            let _ = write!(text, "\n    {name:<24}{:>28}{:>12}", interval(&effect.mu_star), digits(effect.sigma));
+        }
+    }
+    Ok(text)
+}
+
+/// The estimate with its interval.
+fn interval(estimate: &Estimate) -> String {
+    format!("{} [{}, {}]", digits(estimate.value), digits(estimate.low), digits(estimate.high))
+}
+
+/// The study as one JSON object; see docs/studies.md.
+pub(crate) fn json(results: &Results) -> Result<Value, Error> {
+    let study = results.study;
+    let mut scenarios = Vec::new();
+    for (number, base) in study.bases.iter().enumerate() {
+        let endings = results.endings(number);
+        let mut scenario = Map::new();
+        scenario.insert("scenario".into(), base.name().into());
+        scenario.insert("rollouts".into(), endings.rollouts.into());
+        scenario.insert("completed".into(), endings.completed.into());
+        scenario.insert("fell".into(), endings.fell.into());
+        scenario.insert("invalid".into(), endings.invalid.into());
+        scenario.insert("failed".into(), endings.failed.into());
+        scenario.insert("causes".into(), json!(endings.causes));
+        match study.design {
+            Design::OneAtATime => {
+                let sweeps = (0..study.factors.len()).map(|factor| sweep_json(results, number, factor));
+                scenario.insert("sweeps".into(), sweeps.collect());
+            }
+            Design::Saltelli { .. } => {
+                let metrics = results.sobol(number, &BOOTSTRAP)?;
+                let entry =
+                    |s: &legwork::study::results::Sensitivity| json!({ "metric": s.metric, "sobol": s.indices });
+                scenario.insert("metrics".into(), metrics.iter().map(entry).collect());
+            }
+            Design::Morris { .. } => {
+                let metrics = results.morris(number, &BOOTSTRAP)?;
+                let entry = |(metric, effects): &(String, _)| json!({ "metric": metric, "morris": effects });
+                scenario.insert("metrics".into(), metrics.iter().map(entry).collect());
+            }
+            Design::Grid | Design::LatinHypercube { .. } | Design::SobolSequence { .. } => {}
+        }
+        scenarios.push(Value::Object(scenario));
+    }
+    let factors: Vec<Value> = study
+        .factors
+        .iter()
+        .map(|factor| json!({ "name": factor.name, "paths": factor.paths, "unit": factor.unit(), "relative": factor.relative }))
+        .collect();
+    Ok(json!({
+        "study": study.name,
+        "description": study.description,
+        "design": study.design,
+        "seed": study.seed,
+        "identity": format!("{:032x}", study.identity()),
+        "rollouts": study.len(),
+        "factors": factors,
+        "metrics": study.metrics,
+        "scenarios": scenarios,
+    }))
+}
+
+fn sweep_json(results: &Results, base: usize, factor: usize) -> Value {
+    let entry = |(level, row): &(Level, &legwork::study::results::Row)| {
+        let metrics = results.study.metrics.iter().cloned().zip(row.metrics.iter().map(|value| json!(value)));
+        json!({
+            "level": level,
+            "ending": row.ending,
+            SURVIVED: row.ending == Ending::Completed,
+            "fell_at_s": row.fell_at_s,
+            "cause": row.cause,
+            "metrics": metrics.collect::<Map<_, _>>(),
+        })
+    };
+    let levels: Vec<Value> = results.sweep(base, factor).iter().map(entry).collect();
+    json!({ "factor": results.study.factors[factor].name, "levels": levels })
+}
