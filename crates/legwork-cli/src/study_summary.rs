@@ -17,7 +17,8 @@ pub(crate) const BOOTSTRAP: Bootstrap = Bootstrap { resamples: 1000, level: 0.95
 /// The study in tables, scenario by scenario.
 pub(crate) fn text(results: &Results) -> Result<String, Error> {
     let study = results.study;
-    let mut text = folded(&format!("{}: {} {} rollouts", study.name, study.description, study.len()), 2);
+    let space = if study.description.is_empty() { "" } else { " " };
+    let mut text = folded(&format!("{}: {}{space}{} rollouts", study.name, study.description, study.len()), 2);
     for (number, base) in study.bases.iter().enumerate() {
         let _ = write!(text, "\n\n{}: {}", base.name(), endings(&results.endings(number)));
         match study.design {
@@ -28,7 +29,9 @@ pub(crate) fn text(results: &Results) -> Result<String, Error> {
             }
             Design::Saltelli { .. } => text += &sobol(results, number)?,
             Design::Morris { .. } => text += &morris(results, number)?,
-            Design::Grid | Design::LatinHypercube { .. } | Design::SobolSequence { .. } => {}
+            Design::Grid | Design::LatinHypercube { .. } | Design::SobolSequence { .. } => {
+                text += &spread(results, number)
+            }
         }
     }
     text.push('\n');
@@ -80,6 +83,17 @@ fn sweep(results: &Results, base: usize, factor: usize) -> String {
             let cause = row.cause.as_ref().map_or(String::new(), |cause| format!(": {cause}"));
             let _ = write!(text, "     {}{when}{cause}", row.ending.name());
         }
+    }
+    text
+}
+
+/// How the metrics of the runs without a fall are spread.
+fn spread(results: &Results, base: usize) -> String {
+    let mut text = format!("\n  {:<32}{:>12}{:>12}{:>12}", "of the runs without a fall", "5 %", "median", "95 %");
+    for (metric, column) in results.columns.iter().enumerate() {
+        let [low, median, high] =
+            results.quantiles(base, metric, [0.05, 0.5, 0.95]).map(|q| q.map_or("none".into(), digits));
+        let _ = write!(text, "\n  {:<32}{low:>12}{median:>12}{high:>12}", column.name);
     }
     text
 }
@@ -178,7 +192,13 @@ pub(crate) fn json(results: &Results) -> Result<Value, Error> {
                 let entry = |(metric, effects): &(String, _)| json!({ "metric": metric, "morris": effects });
                 scenario.insert("metrics".into(), metrics.iter().map(entry).collect());
             }
-            Design::Grid | Design::LatinHypercube { .. } | Design::SobolSequence { .. } => {}
+            Design::Grid | Design::LatinHypercube { .. } | Design::SobolSequence { .. } => {
+                let spread = results.columns.iter().enumerate().map(|(metric, column)| {
+                    let [low, median, high] = results.quantiles(number, metric, [0.05, 0.5, 0.95]);
+                    json!({ "metric": column.name, "p05": low, "median": median, "p95": high })
+                });
+                scenario.insert("metrics".into(), spread.collect());
+            }
         }
         scenarios.push(Value::Object(scenario));
     }

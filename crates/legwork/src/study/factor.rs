@@ -75,13 +75,17 @@ impl Levels {
         }
     }
 
-    /// The level of number `index`, which is less than [`Levels::count`].
+    /// The level of number `index`, which is less than [`Levels::count`]; of a range, to twelve digits.
     pub fn level(&self, index: usize) -> Level {
         match self {
             Self::List(list) => list[index].clone(),
             Self::Linear(range) | Self::Logarithmic(range) => {
                 let last = range.count.map_or(1, |count| count.saturating_sub(1)).max(1);
-                self.at(index as f64 / last as f64)
+                match self.at(index as f64 / last as f64) {
+                    // 0.6, not 0.6000000000000001
+                    Level::Number(number) => Level::Number(format!("{number:.12e}").parse().unwrap_or(number)),
+                    other => other,
+                }
             }
         }
     }

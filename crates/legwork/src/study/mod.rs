@@ -122,8 +122,11 @@ impl Study {
             Design::OneAtATime | Design::Grid => None,
             _ => Some(Sampler::new(&design, factors.len(), file.seed).map_err(wrong)?),
         };
+        let name = file.name(&source)?;
+        // The resolved file may go by another name.
+        file.name = Some(toml::Spanned::new(0..0, name.clone()));
         let mut study = Self {
-            name: file.name(&source)?,
+            name,
             description: file.description.clone(),
             bases,
             factors,
@@ -258,6 +261,8 @@ fn load_bases(
     sets: &[String],
 ) -> Result<Vec<Base>, Error> {
     let own: Vec<String> = file.set.iter().map(|(path, value)| format!("{path}={value}")).collect();
+    let given: Vec<String> = file.set.keys().cloned().collect();
+    let is_own = |path: &str| given.iter().any(|own| own == path);
     let mut bases: Vec<Base> = Vec::new();
     for name in file.scenarios.get_mut() {
         let (start, text) = (name.span().start, name.get_ref().clone());
@@ -266,8 +271,12 @@ fn load_bases(
         let path: PathBuf = if built_in { text.clone().into() } else { folder.unwrap_or(Path::new("")).join(&text) };
         let sets: Vec<String> = own.iter().chain(sets).cloned().collect();
         let base = Base::load(&path.to_string_lossy(), &sets).map_err(|error| match error {
-            error @ Error::Io { .. } => error,
-            error => wrong(error.to_string()),
+            Error::Invalid { place, problem } => match place.strip_prefix("--set ").filter(|path| is_own(path)) {
+                Some(path) => Error::invalid(format!("{}: set, {path}", source.file_name), problem),
+                None if place.starts_with("--set ") => Error::invalid(place, problem),
+                None => wrong(format!("{place}: {problem}")),
+            },
+            other => other,
         })?;
         if bases.iter().any(|other| other.name() == base.name()) {
             return Err(wrong(format!("another scenario is called \"{}\" as well", base.name())));
@@ -300,6 +309,9 @@ fn load_bases(
 /// Whether every base can be run with the levels at which a factor's values leave their domain first.
 fn check_levels(factor: &Factor, bases: &[Base]) -> Result<(), String> {
     for base in bases {
+        for path in &factor.paths {
+            base.value(path).map_err(|error| error.to_string())?;
+        }
         for level in factor.levels.extremes() {
             let change = factor.change(&level);
             let tried = base.vary(factor.paths.iter().map(|path| (&**path, &change)));

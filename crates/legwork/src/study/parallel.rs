@@ -31,7 +31,7 @@ pub fn with_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + 
 ///
 /// None where a job returned none, as one that was stopped does; what is not begun by then is left out.
 pub fn run_all<T: Send>(count: usize, job: impl Fn(usize) -> Option<T> + Sync) -> Option<Vec<T>> {
-    (0..count).into_par_iter().with_max_len(1).map(&job).collect()
+    (0..count).into_par_iter().with_max_len(1).panic_fuse().map(&job).collect()
 }
 
 /// How far the work on a store got.
@@ -75,7 +75,7 @@ pub fn run_chunks<T: Serialize + DeserializeOwned>(
         Some(record)
     };
     // Chunks are taken one by one by whoever is free: the last of them, not a half of all, is what one may wait for.
-    survey.missing.par_iter().try_for_each(|&chunk| -> Result<(), Error> {
+    survey.missing.par_iter().with_max_len(1).panic_fuse().try_for_each(|&chunk| -> Result<(), Error> {
         let Some(records) = store.range(chunk).map(record).collect::<Option<Vec<T>>>() else {
             return Ok(());
         };

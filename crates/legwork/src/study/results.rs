@@ -120,6 +120,15 @@ impl<'a> Results<'a> {
         self.of(base).iter().filter_map(|row| Some((at(row)?, row))).collect()
     }
 
+    /// The `shares` quantiles of a metric over the runs of a scenario that did not fall; none where no run has it.
+    pub fn quantiles<const N: usize>(&self, base: usize, metric: usize, shares: [f64; N]) -> [Option<f64>; N] {
+        let whole = self.of(base).iter().filter(|row| row.ending == Ending::Completed);
+        let mut values: Vec<f64> = whole.filter_map(|row| row.metrics[metric]).collect();
+        values.sort_by(f64::total_cmp);
+        let last = values.len().saturating_sub(1) as f64;
+        shares.map(|share| values.get((share * last).round() as usize).copied())
+    }
+
     /// Sobol' indices of survival and of each metric; none of another design than Saltelli's.
     ///
     /// A fall has no figure that could be compared with those of whole runs: it counts as bad as the worst run of the

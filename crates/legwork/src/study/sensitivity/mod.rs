@@ -29,8 +29,9 @@ pub struct Estimate {
 /// How confidence intervals are found: the percentile bootstrap (Efron 1979, doi:10.1214/aos/1176344552; for Sobol' indices
 /// Archer, Saltelli and Sobol' 1997, doi:10.1080/00949659708811825).
 ///
-/// Resampling takes samples for independent. Those of a Sobol' sequence are more even than that, so that the intervals of
-/// its estimates are rather too wide than too narrow.
+/// Resampling takes base samples for independent. Those of a Sobol' sequence fill the cube more evenly, so that most of
+/// their intervals are too wide. Those of factors that hardly matter can be too narrow: with the g-function of eight
+/// factors, intervals of 95 % held the truth in 71 to 100 of 100 studies at `N` = 64, and in 84 to 100 at `N` = 512.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bootstrap {

@@ -78,11 +78,11 @@ pub fn sobol_indices(
     let (samples, centre, scale) = standardised(&complete);
     let samples = Samples { samples, factors, second_order };
     let all: Vec<usize> = (0..used).collect();
-    let (mean, variance) = samples.moments(&all);
+    let (middle, variance) = samples.moments(&all);
     Ok(Indices {
         used,
         left_out: outputs.len() / rows - used,
-        mean: scale * (mean + centre),
+        mean: scale * (middle + centre),
         variance: scale * scale * variance,
         shares: (variance > 0.0).then(|| samples.shares(&all, bootstrap)),
     })
@@ -90,10 +90,10 @@ pub fn sobol_indices(
 
 /// The outputs in units of `scale`, so that no square is too large for a double, and from `centre` on.
 fn standardised(samples: &[&[f64]]) -> (Vec<Vec<f64>>, f64, f64) {
-    let largest = samples.concat().iter().fold(0.0_f64, |largest, y| largest.max(y.abs()));
+    let outputs = samples.concat();
+    let largest = outputs.iter().fold(0.0_f64, |largest, y| largest.max(y.abs()));
     let scale = if largest > 0.0 { largest } else { 1.0 };
-    let scaled = samples.concat().into_iter().map(|y| y / scale);
-    let centre = mean(scaled);
+    let centre = mean(outputs.iter().map(|y| y / scale));
     (samples.iter().map(|sample| sample.iter().map(|y| y / scale - centre).collect()).collect(), centre, scale)
 }
 
@@ -109,10 +109,10 @@ impl Samples {
     fn moments(&self, chosen: &[usize]) -> (f64, f64) {
         let last = self.samples[0].len() - 1;
         let outputs: Vec<f64> = chosen.iter().flat_map(|&i| [self.samples[i][0], self.samples[i][last]]).collect();
-        let mean = super::mean(outputs.iter().copied());
+        let centre = mean(outputs.iter().copied());
         // The mean of equal numbers is not always that number, and a rounding error is no variance.
         let equal = outputs.iter().all(|&y| y == outputs[0]);
-        (mean, if equal { 0.0 } else { super::mean(outputs.iter().map(|y| (y - mean).powi(2))) })
+        (centre, if equal { 0.0 } else { mean(outputs.iter().map(|y| (y - centre).powi(2))) })
     }
 
     fn pairs(&self) -> Vec<[usize; 2]> {
