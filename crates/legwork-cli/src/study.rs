@@ -12,7 +12,7 @@ use legwork::study::{Rollout, Study};
 use crate::args::{MergeArgs, StudyArgs};
 use crate::long_work::{INTERRUPTED, Progress, interrupted, listen_for_interrupt};
 use crate::output::{Failure, Output, say, write_text};
-use crate::study_summary;
+use crate::{report, study_summary};
 
 /// What a rollout takes on the disk, tables and all, at most [bytes].
 const BYTES_PER_ROLLOUT: u64 = 4000;
@@ -109,8 +109,15 @@ fn publish(study: &Study, store: &Store, folder: &Path, json: bool, output: &mut
     let results = Results::new(study, store.records())?;
     let summary = study_summary::json(&results)?;
     write_text(&folder.join("results.json"), &format!("{summary:#}\n"))?;
+    let page = report::study::page(&results)?;
+    let figures = folder.join("figures");
+    std::fs::create_dir_all(&figures).map_err(|error| Error::io(&figures, &error))?;
+    for (name, svg) in &page.figures {
+        write_text(&figures.join(name), svg)?;
+    }
+    write_text(&folder.join("report.html"), &page.html)?;
     output.line(if json { summary.to_string() } else { study_summary::text(&results)? })?;
     output.flush()?;
-    say(&format!("rollouts: {}", folder.join("rollouts.csv").display()));
+    say(&format!("report: {}", folder.join("report.html").display()));
     Ok(())
 }

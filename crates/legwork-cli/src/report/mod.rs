@@ -5,6 +5,8 @@
 //! and `/timing`.
 
 mod chart;
+mod charts;
+pub(crate) mod document;
 mod figures;
 mod limits;
 mod origin;
@@ -12,6 +14,7 @@ mod scale;
 mod stage;
 mod stick;
 mod strip;
+pub(crate) mod study;
 mod svg;
 mod tables;
 #[cfg(test)]
@@ -20,7 +23,7 @@ mod tests;
 use legwork::diagnosis;
 use legwork::episode::{Outcome, Run};
 use legwork::scenario_file;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 
 use figures::Figure;
 
@@ -28,48 +31,24 @@ use figures::Figure;
 const WIDE: f64 = 860.0;
 const NARROW: f64 = 380.0;
 
-const DARK: &str = include_str!("dark.css");
-const PAGE_STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("animation.js");
-
-/// The page may run what it holds and load nothing.
-const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
 
 /// A page with all `runs`: figures beside the thesis's, charts, animation, books, and how to repeat it.
 pub(crate) fn html(runs: &[Run]) -> String {
     let names: Vec<&str> = runs.iter().map(|run| run.scenario.name.as_str()).collect();
     let title = format!("legwork: {}", names.join(", "));
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta http-equiv="Content-Security-Policy" content=(POLICY);
-                meta name="generator" content={ "legwork " (env!("CARGO_PKG_VERSION")) };
-                link rel="icon" href="data:,";
-                title { (title) }
-                style { (PreEscaped(style())) }
+    let main = html! {
+        header.top {
+            h1 { "legwork report" }
+            p {
+                "What was simulated, how it went, and how it compares with the thesis. Made by legwork "
+                (env!("CARGO_PKG_VERSION")) "; this page is complete in itself."
             }
-            body {
-                a.skip href="#runs" { "To the runs" }
-                (contents(runs))
-                main {
-                    header.top {
-                        h1 { "legwork report" }
-                        p {
-                            "What was simulated, how it went, and how it compares with the thesis. Made by legwork "
-                            (env!("CARGO_PKG_VERSION")) "; this page is complete in itself."
-                        }
-                        (tables::overview(runs))
-                    }
-                    div #runs { @for (index, run) in runs.iter().enumerate() { (article(run, index + 1)) } }
-                }
-                script { (PreEscaped(SCRIPT)) }
-            }
+            (tables::overview(runs))
         }
+        div #runs { @for (index, run) in runs.iter().enumerate() { (article(run, index + 1)) } }
     };
-    page.into_string()
+    document::frame(&title, "#runs", &contents(runs), &main, SCRIPT)
 }
 
 /// The figures of a run as SVG files: name, such as `walk-tracking-x.svg`, and text.
@@ -88,14 +67,6 @@ fn file_name(name: &str) -> String {
     let text: String = name.chars().take(80).map(kept).collect();
     let text = text.trim_matches('-');
     if text.is_empty() { "run".to_owned() } else { text.to_owned() }
-}
-
-fn style() -> String {
-    format!(
-        ":root {{\n{}}}\n@media screen and (prefers-color-scheme: dark) {{\n:root {{\n{DARK}}}\n}}\n{}{PAGE_STYLE}",
-        svg::LIGHT,
-        svg::FIGURE_STYLE
-    )
 }
 
 /// With more runs than these, the contents name the runs only.

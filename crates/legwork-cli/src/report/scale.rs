@@ -62,6 +62,17 @@ pub(super) fn tick_label(value: f64, step: f64) -> String {
     if zero { text.trim_start_matches('-').to_owned() } else { text.replace('-', "\u{2212}") }
 }
 
+/// A power of ten, such as 10⁻⁴.
+pub(super) fn power_of_ten(exponent: i32) -> String {
+    let superscript = |digit: char| match digit.to_digit(10) {
+        Some(1) => '\u{b9}',
+        Some(value @ 2..=3) => char::from_u32(0xb0 + value).unwrap_or(digit),
+        Some(value) => char::from_u32(0x2070 + value).unwrap_or(digit),
+        None => '\u{207b}',
+    };
+    format!("10{}", exponent.to_string().chars().map(superscript).collect::<String>())
+}
+
 /// What an axis covers.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Axis {

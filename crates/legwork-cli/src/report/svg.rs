@@ -97,6 +97,60 @@ pub(super) fn asterisk(centre: [f64; 2], radius: f64) -> String {
     path(&arms)
 }
 
+/// An upright cross, turned by an eighth, around `centre` [px] as a path.
+pub(super) fn cross([x, y]: [f64; 2], radius: f64) -> String {
+    path(&[
+        vec![[x - radius, y - radius], [x + radius, y + radius]],
+        vec![[x - radius, y + radius], [x + radius, y - radius]],
+    ])
+}
+
+/// An error bar between two points on one vertical or horizontal [px] as a path.
+pub(super) fn whisker(from: [f64; 2], to: [f64; 2]) -> String {
+    let cap = |[x, y]: [f64; 2]| {
+        if (from[0] - to[0]).abs() < 1e-9 { vec![[x - 3.0, y], [x + 3.0, y]] } else { vec![[x, y - 3.0], [x, y + 3.0]] }
+    };
+    path(&[cap(from), vec![from, to], cap(to)])
+}
+
+/// How many marks of [`shape`] differ.
+pub(super) const SHAPES: usize = 6;
+
+/// The mark of the `index`-th series around `centre` [px] as a closed path: marks tell series apart without colours.
+pub(super) fn shape(index: usize, [x, y]: [f64; 2], radius: f64) -> String {
+    let corners: &[[f64; 2]] = match index % SHAPES {
+        0 => {
+            let r = Px(radius);
+            return format!(
+                "M{} {}a{r} {r} 0 1 0 {} 0a{r} {r} 0 1 0 -{} 0Z",
+                Px(x - radius),
+                Px(y),
+                Px(2.0 * radius),
+                Px(2.0 * radius)
+            );
+        }
+        1 => &[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]],
+        2 => &[[0.0, -1.2], [1.1, 0.8], [-1.1, 0.8]],
+        3 => &[[0.0, -1.3], [1.1, 0.0], [0.0, 1.3], [-1.1, 0.0]],
+        4 => &[[0.0, 1.2], [1.1, -0.8], [-1.1, -0.8]],
+        _ => &[
+            [-1.2, -0.45],
+            [-0.45, -0.45],
+            [-0.45, -1.2],
+            [0.45, -1.2],
+            [0.45, -0.45],
+            [1.2, -0.45],
+            [1.2, 0.45],
+            [0.45, 0.45],
+            [0.45, 1.2],
+            [-0.45, 1.2],
+            [-0.45, 0.45],
+            [-1.2, 0.45],
+        ],
+    };
+    path(&[corners.iter().map(|[i, j]| [x + radius * i, y + radius * j]).collect()]) + "Z"
+}
+
 /// How an entry of a legend is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Symbol {
@@ -110,6 +164,12 @@ pub(super) enum Symbol {
     Dot,
     /// An arrow.
     Arrow,
+    /// A piece of a line with the mark of the series of that index.
+    Marked(usize),
+    /// A cross.
+    Cross,
+    /// An error bar.
+    Whisker,
 }
 
 /// An entry of a legend.
@@ -143,7 +203,8 @@ pub(super) fn text_width(text: &str) -> f64 {
 
 /// Draws `keys` in rows between `left` and `right` [px] from the top on; returns its height [px] as well.
 pub(super) fn legend(keys: &[Key], left: f64, right: f64) -> (Markup, f64) {
-    let sample = |key: &Key| if matches!(key.symbol, Symbol::Line | Symbol::Arrow) { 26.0 } else { 14.0 };
+    let sample =
+        |key: &Key| if matches!(key.symbol, Symbol::Line | Symbol::Arrow | Symbol::Marked(_)) { 26.0 } else { 14.0 };
     let (mut x, mut row) = (left, 0);
     let mut placed = Vec::new();
     for key in keys {
@@ -174,6 +235,12 @@ fn symbol(key: &Key, x: f64, y: f64, width: f64) -> Markup {
             Symbol::Asterisk => path class={ "mark " (key.class) } d=(asterisk(middle, 6.0)) {},
             Symbol::Dot => circle class=(key.class) cx=(Px(middle[0])) cy=(Px(y)) r="5" {},
             Symbol::Arrow => path class={ "arrow " (key.class) } d=(arrow([x, y], [x + width - 3.0, y])) {},
+            Symbol::Marked(index) => {
+                path class={ "line " (key.class) } d=(path(&[vec![[x, y], [x + width, y]]])) {}
+                path class={ "shape " (key.class) } d=(shape(index, middle, 4.0)) {}
+            },
+            Symbol::Cross => path class={ "cross " (key.class) } d=(cross(middle, 4.0)) {},
+            Symbol::Whisker => path class="whisker" d=(whisker([middle[0], y - 6.0], [middle[0], y + 6.0])) {},
         }
     }
 }

@@ -5,7 +5,7 @@ use legwork::published;
 use maud::{Markup, html};
 
 use super::origin;
-use super::scale::tick_label;
+use super::scale::{power_of_ten, tick_label};
 
 /// Whether the thesis publishes figures of a scenario of this name.
 pub(super) fn is_published(run: &Run) -> bool {
@@ -216,19 +216,9 @@ pub(super) fn number(value: f64) -> String {
     } else if (-3..4).contains(&exponent) {
         format!("{value:.*}", (2 - exponent).max(0) as usize)
     } else {
-        let power = exponent.to_string().chars().map(superscript).collect::<String>();
-        format!("{:.2}\u{b7}10{power}", value / 10.0_f64.powi(exponent))
+        format!("{:.2}\u{b7}{}", value / 10.0_f64.powi(exponent), power_of_ten(exponent))
     };
     text.replace('-', "\u{2212}")
-}
-
-fn superscript(digit: char) -> char {
-    match digit.to_digit(10) {
-        Some(1) => '\u{b9}',
-        Some(value @ 2..=3) => char::from_u32(0xb0 + value).unwrap_or(digit),
-        Some(value) => char::from_u32(0x2070 + value).unwrap_or(digit),
-        None => '\u{207b}',
-    }
 }
 
 #[cfg(test)]

@@ -109,6 +109,11 @@ impl Levels {
         }
     }
 
+    /// Whether they are a list.
+    pub fn is_list(&self) -> bool {
+        matches!(self, Self::List(_))
+    }
+
     /// Whether an axis of these levels is best drawn logarithmic.
     pub fn is_logarithmic(&self) -> bool {
         match self {
@@ -157,15 +162,18 @@ impl Factor {
         }
     }
 
-    /// Name, symbol and unit, as an axis carries them: `feet weight C_f`, `torque limit [Nm]`.
-    pub fn label(&self) -> String {
+    /// Its name with the thesis's symbol: `feet weight C_f`.
+    pub fn title(&self) -> String {
         let symbol = Setting::find(&self.paths[0]).map_or("", |setting| setting.symbol);
-        let symbol = if symbol.is_empty() || self.name.contains(symbol) { String::new() } else { format!(" {symbol}") };
-        let unit = match (self.unit(), self.relative) {
-            (_, true) => " [× base]".to_owned(),
-            ("", false) => String::new(),
-            (unit, false) => format!(" [{unit}]"),
-        };
-        format!("{}{symbol}{unit}", self.name)
+        if symbol.is_empty() || self.relative { self.name.clone() } else { format!("{} {symbol}", self.name) }
+    }
+
+    /// Its title and unit: `torque limit [Nm]`.
+    pub fn label(&self) -> String {
+        match (self.unit(), self.relative) {
+            (_, true) => format!("{} [× base]", self.title()),
+            ("", false) => self.title(),
+            (unit, false) => format!("{} [{unit}]", self.title()),
+        }
     }
 }
