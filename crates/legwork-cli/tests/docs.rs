@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Commands that are not run here, with the reason.
-const ELSEWHERE: [(&str, &str); 4] = [
+const ELSEWHERE: [(&str, &str); 5] = [
+    ("legwork study interactions", "takes minutes; its file is read by another test, its design run small by others"),
     ("cargo run --release", "the program itself; without arguments it is run as `legwork`"),
     ("cargo install --path crates/legwork-cli", "builds what this test has built"),
     ("cargo xtask test", "runs this test"),
@@ -44,7 +45,9 @@ fn commands(text: &str) -> Vec<String> {
 }
 
 fn is_command(text: &str) -> bool {
-    let known = ["run ", "list", "show ", "inspect "].iter().any(|name| text.starts_with(&format!("legwork {name}")));
+    let known = ["run ", "list", "show ", "inspect ", "study ", "limits", "reproduce", "tune "]
+        .iter()
+        .any(|name| text.starts_with(&format!("legwork {name}")));
     // Names in capitals and dots stand for something.
     let general = text.split(' ').any(|word| word.contains("FILE") || word.contains("...") || word.starts_with("--"));
     text.starts_with("cargo ") || (known && !general)

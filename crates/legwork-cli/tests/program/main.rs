@@ -9,6 +9,7 @@ mod models;
 mod outputs;
 mod scenarios;
 mod showing;
+mod study;
 mod tables;
 
 use std::fs;

@@ -1,0 +1,189 @@
+//! `legwork study`: files, folders, interruption, shards.
+
+use std::fs;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::{Done, Folder};
+
+/// A study of a fraction of a second, and the folder that it is in.
+fn small(name: &str) -> Folder {
+    let folder = Folder::new(name);
+    folder.file(
+        "small.toml",
+        "scenarios = [\"walk\", \"push\"]\ndesign = \"one-at-a-time\"\n[set]\nduration_s = 0.7\n\
+         [[factors]]\nname = \"torque\"\npath = \"controller.limits.torque_nm\"\nlist = [1, 150, 220]\nmarked = 220.0\n",
+    );
+    folder
+}
+
+#[test]
+fn a_study_leaves_tables_figures_and_a_page() {
+    let folder = small("study");
+    let [result] = &folder.json(&["study", "small.toml", "--json"])[..] else { panic!("one object a study") };
+    assert_eq!((&result["study"], &result["rollouts"]), (&"small".into(), &8.into()));
+    let walk = &result["scenarios"][0];
+    assert_eq!((&walk["completed"], &walk["fell"], &walk["rollouts"]), (&3.into(), &1.into(), &4.into()));
+    let levels = walk["sweeps"][0]["levels"].as_array().unwrap();
+    assert_eq!((levels.len(), &levels[0]["level"], &levels[0]["ending"]), (3, &1.0.into(), &"fell".into()));
+    assert!(levels[0]["fell_at_s"].as_f64().unwrap() < 0.7 && levels[2]["survived"] == Value::Bool(true));
+    // The same figure as the scenario itself has.
+    let run = folder.json(&["run", "walk", "--duration", "0.7", "--json"]);
+    assert_eq!(levels[2]["metrics"]["torque_nm.mean"], run[0]["metrics"]["torque_nm"]["mean"]);
+
+    let at = |name: &str| folder.text(&format!("legwork-small/{name}"));
+    assert_eq!(serde_json::from_str::<Value>(&at("results.json")).unwrap(), *result);
+    let csv = at("rollouts.csv");
+    assert_eq!(csv.lines().count(), 9);
+    assert!(
+        csv.starts_with("rollout,scenario,torque [Nm],ending,cause,reason,input_hash,result_hash,survived,fell_at_s")
+    );
+    let page = at("report.html");
+    assert!(page.contains("</html>") && page.contains("Study: small") && !page.contains("NaN"));
+    assert!(!page.contains("http://") && !page.contains("https://"), "the page loads nothing");
+    let figures = ["torque-with-a-push.svg", "torque-without-a-push.svg"];
+    for name in figures {
+        assert!(at(&format!("figures/{name}")).ends_with("</svg>\n"), "{name}");
+        assert!(page.contains("torque limit") || page.contains("torque"), "{name}");
+    }
+    // A second time nothing is run again, and the bytes stay.
+    let chunk = folder.0.join("legwork-small/chunks/000000.jsonl");
+    let before = fs::metadata(&chunk).unwrap().modified().unwrap();
+    folder.legwork(&["study", "small.toml"]).succeeds();
+    assert_eq!(fs::metadata(&chunk).unwrap().modified().unwrap(), before);
+    assert_eq!(at("rollouts.csv"), csv);
+    // What lies in the folder is a study that gives the same.
+    folder.legwork(&["study", "legwork-small/study.toml", "--out", "again"]).succeeds();
+    assert_eq!(folder.text("again/rollouts.csv"), csv);
+}
+
+#[test]
+fn a_damaged_chunk_is_made_again() {
+    let folder = small("damaged");
+    folder.legwork(&["study", "small.toml"]).succeeds();
+    let csv = folder.text("legwork-small/rollouts.csv");
+    let name = "legwork-small/chunks/000003.jsonl";
+    let text = folder.text(name);
+    folder.file(name, text.replacen('7', "8", 1));
+    let done = folder.legwork(&["study", "small.toml"]).succeeds();
+    assert!(done.err.contains("warning: ") && done.err.contains("000003.jsonl"), "{}", done.err);
+    assert_eq!((folder.text(name), folder.text("legwork-small/rollouts.csv")), (text, csv));
+}
+
+#[test]
+fn shards_give_what_one_run_gives() {
+    let folder = small("shards");
+    folder.legwork(&["study", "small.toml", "--out", "whole", "--threads", "1"]).succeeds();
+    for (shard, out) in [("1/3", "one"), ("2/3", "two"), ("3/3", "two")] {
+        let done = folder.legwork(&["study", "small.toml", "--shard", shard, "--out", out]).succeeds();
+        assert!(done.out.is_empty() && done.err.contains("legwork study merge"), "{}", done.err);
+    }
+    let whole = folder.legwork(&["study", "merge", "one"]);
+    assert!(whole.code == 2 && whole.err.contains("chunks are missing"), "{}", whole.err);
+    let merged = folder.legwork(&["study", "merge", "one", "two", "--into", "all"]).succeeds();
+    assert!(merged.out.contains("small: "), "{}", merged.out);
+    for name in ["rollouts.csv", "rollouts.parquet", "results.json", "study.toml"] {
+        let read = |folder_name: &str| fs::read(folder.0.join(folder_name).join(name)).unwrap();
+        assert!(read("whole") == read("all"), "{name}");
+    }
+}
+
+/// A study of minutes, stopped after some of it, keeps that and goes on from there.
+#[test]
+fn an_interrupted_study_goes_on() {
+    let folder = Folder::new("study-interrupted");
+    folder.file(
+        "long.toml",
+        "scenarios = [\"stand\"]\ndesign = \"latin-hypercube\"\nsamples = 600\n[set]\nduration_s = 20\n\
+         [[factors]]\npath = \"ground.friction\"\nlinear = { from = 0.5, to = 1.0 }\n",
+    );
+    let mut command = folder.command(&["study", "long.toml"]);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let chunks = folder.0.join("legwork-long/chunks");
+    let written = || fs::read_dir(&chunks).map_or(0, |entries| entries.filter(|e| whole(e.as_ref().unwrap())).count());
+    let begin = Instant::now();
+    while written() < 2 {
+        assert!(begin.elapsed() < Duration::from_secs(120), "no chunk was written");
+        sleep(Duration::from_millis(20));
+    }
+    // Meanwhile nobody else may write there.
+    folder.refuses(1, &["study", "long.toml"], &["legwork-long"]);
+    assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let done = Done::from(child.wait_with_output().unwrap());
+    assert_eq!((done.code, done.out.as_str()), (130, ""), "{}", done.err);
+    assert!(done.err.contains("rollouts are kept in legwork-long, the same command goes on"), "{}", done.err);
+    let kept = written();
+    assert!((2..120).contains(&kept), "{kept}");
+    assert!(!folder.0.join("legwork-long/report.html").exists());
+
+    let mut command = folder.command(&["study", "long.toml"]);
+    let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let begin = Instant::now();
+    while written() <= kept {
+        assert!(begin.elapsed() < Duration::from_secs(120), "it does not go on");
+        sleep(Duration::from_millis(20));
+    }
+    assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let done = Done::from(child.wait_with_output().unwrap());
+    assert!(done.err.starts_with("long: goes on; "), "{}", done.err);
+}
+
+fn whole(entry: &fs::DirEntry) -> bool {
+    entry.file_name().to_string_lossy().ends_with(".jsonl")
+}
+
+#[test]
+fn wrong_calls_are_refused_before_anything_runs() {
+    let folder = small("study-wrong");
+    let good = folder.text("small.toml");
+    folder.file("path.toml", good.replace("torque_nm", "torque"));
+    folder.file("level.toml", good.replace("[1, 150", "[-1, 150"));
+    folder.file("foreign/mine.txt", "");
+    folder.file("file", "");
+    folder.legwork(&["study", "small.toml", "--out", "other"]).succeeds();
+    let refused: &[(i32, &[&str], &[&str])] = &[
+        (
+            2,
+            &["study", "path.toml"],
+            &["path.toml:5", "controller.limits.torque: unknown", "did you mean controller.limits.torque_nm?"],
+        ),
+        (2, &["study", "level.toml"], &["the level -1 is not one that walk can have", "valid is a number from"]),
+        (2, &["study", "torque-limt"], &["did you mean torque-limit?", "built-in: "]),
+        (1, &["study", "no/such.toml"], &["no/such.toml"]),
+        (2, &["study", "small.toml", "small.toml"], &["two studies are called \"small\""]),
+        (2, &["study", "small.toml", "--shard", "3/2"], &["3/2", "shards count from 1"]),
+        (2, &["study", "small.toml", "--set", "seed=-1"], &["--set seed", "found -1"]),
+        (2, &["study", "small.toml", "--set", "seed=1", "--out", "other"], &["other", "holds another study"]),
+        (2, &["study", "small.toml", "--out", "foreign"], &["foreign", "holds files (mine.txt) and no study"]),
+        (1, &["study", "small.toml", "--out", "file"], &["file: is a file, expected a folder"]),
+        (1, &["study", "small.toml", "--out", "file/below"], &["file/below"]),
+        (1, &["study", "merge", "nowhere"], &["nowhere"]),
+        (2, &["study", "merge", "foreign"], &["foreign"]),
+        (2, &["show", "interactions", "--set", "seed=1"], &["a study is shown as it is"]),
+    ];
+    for (code, arguments, words) in refused {
+        folder.refuses(*code, arguments, words);
+    }
+    assert!(!folder.0.join("legwork-small").exists());
+}
+
+#[test]
+fn studies_are_listed_and_shown_as_files_that_run() {
+    let folder = Folder::new("study-list");
+    let listed = &folder.json(&["list", "studies", "--json"])[0]["studies"];
+    assert!(listed.as_array().unwrap().len() >= 9);
+    for study in listed.as_array().unwrap() {
+        assert!(study["rollouts"].as_u64().unwrap() > 9 && study["description"].is_string(), "{study}");
+    }
+    let text = folder.legwork(&["show", "torque-limit"]).succeeds().out;
+    assert!(text.contains("name = \"torque-limit\"") && text.contains("# "));
+    folder.file(
+        "mine.toml",
+        text.replace("list = [100, 120,", "list = [").replace("design", "set.duration_s = 0.3\ndesign"),
+    );
+    folder.legwork(&["study", "mine.toml", "--out", "mine"]).succeeds();
+    assert!(folder.text("mine/study.toml").contains("duration_s = 0.3"));
+}
