@@ -100,6 +100,7 @@ pub(crate) fn json(run: &Run) -> Value {
         "outcome": outcome,
         "fell_at_s": fell_at_s,
         "reason": run.reason,
+        "cause": run.diagnosis.as_ref().map(|diagnosis| diagnosis.cause.label()),
         "input_hash": format!("{:032x}", run.input_hash),
         "result_hash": format!("{:032x}", run.result_hash),
         "metrics": {

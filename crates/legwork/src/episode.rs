@@ -7,7 +7,7 @@ use legwork_rbd::Model;
 
 use crate::contact::GroundPlane;
 use crate::control::{Controller, Estimate, check_model};
-use crate::diagnosis::{self, Fall};
+use crate::diagnosis::{self, Diagnosis, Fall};
 use crate::error::Error;
 use crate::log::{Field, Log};
 use crate::metrics::{self, Metrics};
@@ -77,8 +77,10 @@ pub struct Run {
     pub layout: Layout,
     /// How it ended.
     pub outcome: Outcome,
-    /// Why it fell, in a sentence; none where it did not.
+    /// Why it fell, in a sentence: that of the diagnosis; none where it did not.
     pub reason: Option<String>,
+    /// Why it fell: first cause and events; none where it did not.
+    pub diagnosis: Option<Diagnosis>,
     /// One record a control tick.
     pub log: Log,
     /// The thesis's figures.
@@ -268,8 +270,11 @@ impl Episode {
             None if self.tick < self.ticks => Outcome::Stopped,
             None => Outcome::Completed,
         };
-        let reason = match &outcome {
-            Outcome::Fell(fall) => Some(diagnosis::reason(fall, &self.log, self.controller.layout())),
+        let diagnosis = match &outcome {
+            Outcome::Fell(fall) => {
+                let layout = self.controller.layout();
+                Some(diagnosis::diagnose(&self.scenario, &self.model, fall, &self.log, layout))
+            }
             Outcome::Completed | Outcome::Stopped => None,
         };
         let mut program = self.program;
@@ -292,7 +297,8 @@ impl Episode {
             scenario: self.scenario,
             model: self.model,
             outcome,
-            reason,
+            reason: diagnosis.as_ref().map(|diagnosis| diagnosis.sentence.clone()),
+            diagnosis,
             log: self.log,
         }
     }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use legwork::diagnosis::FirstCause;
 use legwork::error::Error;
 use legwork::study::design::Design;
 use legwork::study::results::{Results, Row, SURVIVED, Sensitivity};
@@ -110,13 +111,18 @@ fn causes(results: &Results) -> Markup {
             tbody {
                 @for name in names {
                     tr {
-                        th scope="row" { (name.replace('-', " ")) }
+                        th scope="row" { (cause_title(name)) }
                         @for endings in &all { td { (endings.causes.get(name).map_or("\u{2013}".to_owned(), usize::to_string)) } }
                     }
                 }
             }
         } }
     }
+}
+
+/// A first cause in words.
+fn cause_title(label: &str) -> &str {
+    FirstCause::LABELS.iter().find(|(known, _)| *known == label).map_or(label, |(_, title)| title)
 }
 
 /// A figure with its mean and peak, or a single one.

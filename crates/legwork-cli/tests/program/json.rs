@@ -25,6 +25,7 @@ fn contract() -> Value {
         "outcome": "text",
         "fell_at_s": "null",
         "reason": "null",
+        "cause": "null",
         "input_hash": "text",
         "result_hash": "text",
         "metrics": {
@@ -102,6 +103,7 @@ fn a_fall_has_a_time_and_a_reason_and_a_recovery_a_time() {
     let fell = &folder.json(&[&["run", "push", "--json"], &absurd[..]].concat())[0];
     let mut expected = contract();
     (expected["fell_at_s"], expected["reason"]) = (json!("number"), json!("text"));
+    expected["cause"] = json!("text");
     expected["metrics"]["recovery_distance_m"] = json!("number");
     assert_eq!((&fell["outcome"], shape(fell)), (&json!("fell"), expected));
     let begin = format!("fell at {:.2} s: ", fell["fell_at_s"].as_f64().unwrap());

@@ -87,7 +87,7 @@ impl Rollout {
         Self {
             ending,
             fell_at_s,
-            cause: None,
+            cause: run.diagnosis.as_ref().map(|diagnosis| diagnosis.cause.label().to_owned()),
             reason: run.reason.clone(),
             figures: figures(&run.metrics),
             input_hash: format!("{:032x}", run.input_hash),

@@ -1,4 +1,4 @@
-//! Falling: its one definition, and the first sentence of why.
+//! Falling: its one definition here, and why it happened ([`diagnose`], whose rules are in `rules.rs`).
 //!
 //! The robot has fallen when, after a control tick,
 //! - the numbers are out of bounds: the state is not finite, or a joint is faster than `fall.max_joint_speed_radps`,
@@ -6,12 +6,18 @@
 //! - the CoM is lower over the ground than `fall.min_com_height_fraction` of its height at the start, or
 //! - the torso is further from its reference than `fall.max_torso_angle_deg`.
 
+mod cause;
+mod evidence;
+mod failure;
+mod rules;
+mod words;
+
 use legwork_rbd::Model;
 
-use crate::log::{Field, Log};
-use crate::qp::Layout;
 use crate::scenario::Scenario;
 use crate::sim::Simulator;
+pub use cause::{Diagnosis, Event, FirstCause, What};
+pub use rules::diagnose;
 
 /// Which part of the definition was met.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,9 +96,14 @@ pub fn fall(scenario: &Scenario, model: &Model, simulator: &Simulator, sound: bo
 
 /// The fall in words: when, and which part of the definition was met.
 pub fn sentence(fall: &Fall) -> String {
-    let what = match &fall.cause {
+    format!("fell at {:.2} s: {}", fall.time, definition(fall))
+}
+
+/// The part of the definition that was met, in words.
+pub(crate) fn definition(fall: &Fall) -> String {
+    match &fall.cause {
         Cause::OutOfBounds { joint: Some((joint, speed)) } => {
-            format!("{joint} turned at {speed:.0} rad/s, out of all bounds")
+            format!("{} turned at {:.0} rad/s, out of all bounds", joint.replace('_', " "), speed.abs())
         }
         Cause::OutOfBounds { joint: None } => "the numbers went out of bounds".to_owned(),
         Cause::BodyTouches { part } => format!("{} touched the ground", part.replace('_', " ")),
@@ -103,35 +114,5 @@ pub fn sentence(fall: &Fall) -> String {
             let way = if *angle > 0.0 { "backward" } else { "forward" };
             format!("the torso leaned {:.0} deg {way} of its reference", angle.abs().to_degrees())
         }
-    };
-    format!("fell at {:.2} s: {what}", fall.time)
-}
-
-/// How far back from the fall [`reason`] looks [s].
-const LOOK_BACK: f64 = 0.5;
-
-/// The fall in words, with what was most at its limit in the half second before it.
-pub fn reason(fall: &Fall, log: &Log, layout: &Layout) -> String {
-    let mut text = sentence(fall);
-    let back = LOOK_BACK.min(fall.time);
-    let first = (0..log.len()).find(|&i| log.time(i) >= fall.time - back).unwrap_or(0);
-    let ticks = log.len() - first;
-    let share = |limit: usize| {
-        let active = (first..log.len()).filter(|&i| log.get(i, Field::ActiveLimit)[limit] != 0.0).count();
-        active as f64 / ticks.max(1) as f64
-    };
-    // An unloaded foot is how a step looks, not why it fails.
-    let worst = (0..layout.limits().len())
-        .filter(|&limit| !layout.limits()[limit].name.starts_with("unloading"))
-        .map(|limit| (share(limit), limit))
-        .fold((0.0, 0), |worst, next| if next.0 > worst.0 { next } else { worst });
-    if worst.0 >= 0.1 {
-        let name = layout.limits()[worst.1].name.replace('_', " ");
-        text += &format!("; the limit on {name} was active for {:.0} % of the last {back:.2} s", 100.0 * worst.0);
     }
-    let held = (first..log.len()).filter(|&i| log.get(i, Field::Program)[1] > 0.0).count();
-    if held > 0 {
-        text += &format!("; the program had no solution as it stood in {held} of {ticks} ticks");
-    }
-    text
 }

@@ -1,0 +1,208 @@
+//! What a diagnosis says: the first cause, and the events that led to the fall.
+
+/// Why a robot fell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Diagnosis {
+    /// What gave way first.
+    pub cause: FirstCause,
+    /// What happened, in the order of time; the last is the fall.
+    pub events: Vec<Event>,
+    /// One sentence with the time of the fall, the first cause and the chain.
+    pub sentence: String,
+}
+
+/// The first cause of a fall; its rule is in `docs/diagnosis.md`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FirstCause {
+    /// A joint had no more torque to give.
+    TorqueLimit {
+        /// Which.
+        joint: String,
+    },
+    /// The force on a foot was at the controller's limit.
+    ForceLimit {
+        /// Which.
+        foot: String,
+    },
+    /// A foot slid, or its force was at the friction cone.
+    Friction {
+        /// Which.
+        foot: String,
+    },
+    /// A joint had to brake before its end.
+    JointLimit {
+        /// Which.
+        joint: String,
+    },
+    /// A joint was at its largest acceleration.
+    AccelerationLimit {
+        /// Which.
+        joint: String,
+    },
+    /// A foot came down where the controller believed the ground to be, and there was none.
+    MissedGround {
+        /// Which.
+        foot: String,
+    },
+    /// Hard tasks contradicted the limits.
+    InfeasibleProgram,
+    /// The longest step that the reference generator makes did not reach the XcoM.
+    StepTooShort,
+    /// A push carried the XcoM further than legs can step.
+    Push,
+    /// The simulation lost its footing, not the robot.
+    Numerics,
+    /// None of the rules holds.
+    Unexplained,
+}
+
+impl FirstCause {
+    /// Label and title of each cause, in the order of the enum: what a table of causes has as rows.
+    pub const LABELS: [(&'static str, &'static str); 11] = [
+        ("torque-limit", "torque limit"),
+        ("force-limit", "contact force limit"),
+        ("friction", "friction"),
+        ("joint-limit", "end of a joint's range"),
+        ("acceleration-limit", "joint acceleration limit"),
+        ("missed-ground", "ground not where it was believed"),
+        ("infeasible-program", "infeasible program"),
+        ("step-too-short", "step too short"),
+        ("push", "push too large"),
+        ("numerics", "numerics"),
+        ("unexplained", "unexplained"),
+    ];
+
+    fn index(&self) -> usize {
+        match self {
+            Self::TorqueLimit { .. } => 0,
+            Self::ForceLimit { .. } => 1,
+            Self::Friction { .. } => 2,
+            Self::JointLimit { .. } => 3,
+            Self::AccelerationLimit { .. } => 4,
+            Self::MissedGround { .. } => 5,
+            Self::InfeasibleProgram => 6,
+            Self::StepTooShort => 7,
+            Self::Push => 8,
+            Self::Numerics => 9,
+            Self::Unexplained => 10,
+        }
+    }
+
+    /// The cause without the name of joint or foot, as in `torque-limit`: what studies count.
+    pub fn label(&self) -> &'static str {
+        Self::LABELS[self.index()].0
+    }
+
+    /// The same for people, as in "torque limit".
+    pub fn title(&self) -> &'static str {
+        Self::LABELS[self.index()].1
+    }
+
+    /// The joint or foot that it names.
+    pub fn part(&self) -> Option<&str> {
+        match self {
+            Self::TorqueLimit { joint } | Self::JointLimit { joint } | Self::AccelerationLimit { joint } => Some(joint),
+            Self::ForceLimit { foot } | Self::Friction { foot } | Self::MissedGround { foot } => Some(foot),
+            Self::InfeasibleProgram | Self::StepTooShort | Self::Push | Self::Numerics | Self::Unexplained => None,
+        }
+    }
+}
+
+/// Something that happened on the way to the fall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// When [s].
+    pub time: f64,
+    /// What.
+    pub what: What,
+}
+
+/// What happened.
+#[derive(Clone, Debug, PartialEq)]
+pub enum What {
+    /// A push began.
+    Pushed {
+        /// Its impulse [Ns].
+        impulse: f64,
+    },
+    /// A limit was active for a large share of a time.
+    Saturated {
+        /// Which.
+        cause: FirstCause,
+        /// Its value [Nm, N, rad/s², or 1 of friction; of a joint's range the end that it moved to, rad].
+        value: f64,
+        /// For which share of the step or double support, 0 to 1.
+        share: f64,
+        /// The foot that swung, none in double support.
+        swing: Option<String>,
+    },
+    /// A foot slid under load.
+    Slid {
+        /// Which.
+        foot: String,
+        /// How far [m].
+        by: f64,
+    },
+    /// A swinging foot found no ground at the end of its path.
+    MissedGround {
+        /// Which.
+        foot: String,
+        /// How long its step lasted [s].
+        lasted: f64,
+    },
+    /// The XcoM went out of the reach of all steps to come.
+    OutOfReach {
+        /// How far past the front foot [m].
+        past: f64,
+        /// By how much the longest step falls short [m].
+        short: f64,
+        /// The impulse of the pushes until then [Ns], where they are the first cause.
+        pushed: Option<f64>,
+    },
+    /// The centre of mass sank for good.
+    Sank {
+        /// How far below its reference, by the end of the step or double support [m].
+        by: f64,
+        /// Upward force that the momentum task missed meanwhile [N].
+        missed: f64,
+    },
+    /// The torso left its reference for good.
+    Leaned {
+        /// How far, by the end of the step or double support [rad], backward positive.
+        by: f64,
+        /// Angular acceleration that the torso task missed meanwhile [rad/s²].
+        missed: f64,
+    },
+    /// A swinging foot left its path.
+    FootAstray {
+        /// Which.
+        foot: String,
+        /// How far short of its place it came down [m], negative beyond it; none where it did not come down.
+        short: Option<f64>,
+        /// How far it was off its path at most [m].
+        off: f64,
+        /// Acceleration that the foot task missed meanwhile [m/s²].
+        missed: f64,
+    },
+    /// Hard tasks gave way, or no program had a solution.
+    TasksYielded {
+        /// In how many ticks.
+        ticks: usize,
+        /// Of how many.
+        of: usize,
+    },
+    /// The balance of energy broke.
+    EnergyFromNothing {
+        /// Its error [J].
+        joules: f64,
+    },
+    /// The simulator's numbers went out of bounds.
+    Diverged,
+    /// Feet that should stand bounced on the damped spring.
+    Bounced {
+        /// Share of the time that they were off the ground, 0 to 1.
+        share: f64,
+    },
+    /// The definition of a fall was met.
+    Fell,
+}

@@ -1,0 +1,284 @@
+//! What the log says: steps, limits, errors, slip, and how far the XcoM is out of reach.
+
+use std::ops::Range;
+
+use legwork_rbd::Model;
+
+use super::FirstCause;
+use crate::contact::GroundPlane;
+use crate::control::Fallback;
+use crate::log::{Field, Log};
+use crate::qp::Layout;
+use crate::reference::{swing, xcom};
+use crate::scenario::Scenario;
+
+/// A foot carries load from this share of the robot's weight on; less than that drags without effect.
+const LOADED: f64 = 0.1;
+
+/// Ticks of one double support or of one step.
+#[derive(Clone, Debug)]
+pub(super) struct Stretch {
+    pub(super) ticks: Range<usize>,
+    /// The foot that swings.
+    pub(super) foot: Option<usize>,
+}
+
+/// A limit that can be a first cause, with the columns that say when it is active.
+#[derive(Clone, Debug)]
+pub(super) struct Saturation {
+    pub(super) cause: FirstCause,
+    /// Indices in [`Layout::limits`].
+    limits: Vec<usize>,
+    /// Index among the actuated joints, or of the foot.
+    index: usize,
+}
+
+/// A log with what is needed to read it.
+pub(super) struct Evidence<'a> {
+    pub(super) scenario: &'a Scenario,
+    pub(super) model: &'a Model,
+    pub(super) log: &'a Log,
+    pub(super) stretches: Vec<Stretch>,
+    pub(super) saturations: Vec<Saturation>,
+    ground: GroundPlane,
+    axes: usize,
+}
+
+impl<'a> Evidence<'a> {
+    pub(super) fn new(scenario: &'a Scenario, model: &'a Model, log: &'a Log, layout: &Layout) -> Self {
+        let axes = model.linear_axes().len();
+        let ground = GroundPlane::of(&scenario.ground, model);
+        let (stretches, saturations) = (stretches(log), saturations(model, layout));
+        Self { scenario, model, log, stretches, saturations, ground, axes }
+    }
+
+    pub(super) fn time(&self, i: usize) -> f64 {
+        self.log.time(i)
+    }
+
+    /// Number of ticks in `seconds`.
+    pub(super) fn ticks_in(&self, seconds: f64) -> usize {
+        (seconds / self.scenario.controller.period_s).round() as usize
+    }
+
+    /// The step or double support of tick `i`.
+    pub(super) fn stretch(&self, i: usize) -> &Stretch {
+        self.stretches.iter().find(|stretch| stretch.ticks.contains(&i)).unwrap_or(&self.stretches[0])
+    }
+
+    pub(super) fn foot_name(&self, foot: usize) -> String {
+        self.model.contacts[foot].name.clone()
+    }
+
+    pub(super) fn weight(&self) -> f64 {
+        self.model.total_mass() * self.model.gravity
+    }
+
+    /// How far the centre of mass is below its reference [m].
+    pub(super) fn sunk(&self, i: usize) -> f64 {
+        self.log.get(i, Field::ComReference)[self.axes - 1] - self.log.get(i, Field::Com)[self.axes - 1]
+    }
+
+    /// How far the torso is from its reference [rad], backward positive.
+    pub(super) fn lean(&self, i: usize) -> f64 {
+        self.log.get(i, Field::Torso)[0] - self.log.get(i, Field::TorsoReference)[0]
+    }
+
+    /// Place of a foot along x [m].
+    pub(super) fn foot_x(&self, i: usize, foot: usize) -> f64 {
+        self.log.get(i, Field::Feet)[foot * self.axes]
+    }
+
+    fn foot_reference_x(&self, i: usize, foot: usize) -> f64 {
+        self.log.get(i, Field::FeetReference)[foot * 3 * self.axes]
+    }
+
+    /// How far a foot is off its path [m].
+    pub(super) fn foot_off(&self, i: usize, foot: usize) -> f64 {
+        let places = &self.log.get(i, Field::Feet)[foot * self.axes..];
+        let goals = &self.log.get(i, Field::FeetReference)[foot * 3 * self.axes..];
+        let squares = places.iter().zip(goals).take(self.axes).map(|(place, goal)| (place - goal).powi(2));
+        squares.sum::<f64>().sqrt()
+    }
+
+    pub(super) fn touching(&self, i: usize, foot: usize) -> bool {
+        self.log.get(i, Field::Touching)[foot] > 0.5
+    }
+
+    /// Upward force that the momentum task misses [N].
+    pub(super) fn missed_force(&self, i: usize) -> f64 {
+        let momentum = self.model.angular_axes().len() + self.axes;
+        self.log.get(i, Field::Slack)[momentum - 1].max(0.0)
+    }
+
+    /// Acceleration that the task of a foot misses [m/s²].
+    pub(super) fn missed_foot(&self, i: usize, foot: usize) -> f64 {
+        let first = self.model.angular_axes().len() + self.axes * (1 + foot);
+        let slack = &self.log.get(i, Field::Slack)[first..first + self.axes];
+        slack.iter().map(|value| value * value).sum::<f64>().sqrt()
+    }
+
+    /// Angular acceleration that the torso task misses [rad/s²].
+    pub(super) fn missed_torso(&self, i: usize) -> f64 {
+        self.log.get(i, Field::Slack).last().map_or(0.0, |value| value.abs())
+    }
+
+    pub(super) fn fallback(&self, i: usize) -> f64 {
+        self.log.get(i, Field::Program)[1]
+    }
+
+    pub(super) fn energy_error(&self, i: usize) -> f64 {
+        self.log.get(i, Field::Energy)[2].abs()
+    }
+
+    /// Whether a limit is active.
+    pub(super) fn is_saturated(&self, saturation: &Saturation, i: usize) -> bool {
+        let limits = self.log.get(i, Field::ActiveLimit);
+        let active = saturation.limits.iter().filter(|&&limit| limits[limit] != 0.0).count();
+        let index = saturation.index;
+        match saturation.cause {
+            FirstCause::AccelerationLimit { .. } => active > 0 && self.log.get(i, Field::Braking)[index] == 0.0,
+            FirstCause::JointLimit { .. } => {
+                let yielded = self.fallback(i) >= f64::from(Fallback::JointLimitsYield as u8);
+                (active > 0 || yielded) && self.log.get(i, Field::Braking)[index] != 0.0
+            }
+            // At both sides of the cone is at its tip: no force at all.
+            FirstCause::Friction { .. } => active == 1,
+            _ => active > 0,
+        }
+    }
+
+    /// Share of `ticks` in which a limit is active.
+    pub(super) fn share(&self, saturation: &Saturation, ticks: Range<usize>) -> f64 {
+        let count = ticks.len().max(1) as f64;
+        ticks.filter(|&i| self.is_saturated(saturation, i)).count() as f64 / count
+    }
+
+    /// How far a standing foot slid under load in `ticks` [m]; one that swings drags at most.
+    pub(super) fn slide(&self, ticks: Range<usize>, foot: usize) -> f64 {
+        let normal = self.axes * (foot + 1) - 1;
+        let loaded = |i: usize| {
+            let stands = self.log.get(i, Field::Swing)[0] != foot as f64;
+            stands && self.log.get(i, Field::GrfSimulated)[normal] > LOADED * self.weight()
+        };
+        let ticks = ticks.start..ticks.end.min(self.log.len().saturating_sub(1));
+        let cos = libm::cos(self.ground.slope);
+        ticks.filter(|&i| loaded(i)).map(|i| (self.foot_x(i + 1, foot) - self.foot_x(i, foot)).abs() / cos).sum()
+    }
+
+    /// Eigenfrequency of the pendulum [1/s], as the reference generator has it.
+    pub(super) fn omega(&self, i: usize) -> f64 {
+        let com = self.log.get(i, Field::ComReference);
+        xcom::eigenfrequency(self.model.gravity, com[self.axes - 1] - self.ground.height_at(com[0]))
+    }
+
+    /// Where the foot that swings in `stretch` should come down along x [m], by the latest plan.
+    pub(super) fn landing(&self, stretch: &Stretch, foot: usize) -> f64 {
+        let (first, last) = (stretch.ticks.start, stretch.ticks.end - 1);
+        let duration = self.scenario.reference.step.duration_s;
+        let elapsed = (self.time(last) - self.time(first)).min(duration);
+        let done = swing::forward(elapsed, duration, 1.0).value;
+        let from = self.foot_reference_x(first, foot);
+        if done > 0.0 { from + (self.foot_reference_x(last, foot) - from) / done } else { from }
+    }
+
+    /// How far short of its planned place the foot came down at the end of `stretch` [m], negative beyond it; none where
+    /// it did not come down.
+    pub(super) fn short(&self, stretch: &Stretch, foot: usize) -> Option<f64> {
+        let landed = stretch.ticks.end;
+        if landed >= self.log.len() {
+            return None;
+        }
+        let way = self.landing(stretch, foot) - self.foot_reference_x(stretch.ticks.start, foot);
+        Some((self.landing(stretch, foot) - self.foot_x(landed, foot)) * way.signum())
+    }
+
+    /// The value of a limit; of a joint's range, the end that it moves to in tick `i` [Nm, N, rad/s², 1, rad].
+    pub(super) fn limit_value(&self, cause: &FirstCause, i: usize) -> f64 {
+        let limits = &self.scenario.controller.limits;
+        let dof = |joint: &str| self.model.dofs.iter().position(|dof| dof.name == *joint).unwrap_or(0);
+        match cause {
+            FirstCause::TorqueLimit { joint } => limits.torque_nm.min(self.model.dofs[dof(joint)].effort_limit),
+            FirstCause::ForceLimit { .. } => limits.grf_n,
+            FirstCause::AccelerationLimit { .. } => limits.joint_acceleration_radps2,
+            FirstCause::JointLimit { joint } => {
+                let limit = &self.model.dofs[dof(joint)];
+                if self.log.get(i, Field::V)[dof(joint)] > 0.0 { limit.upper } else { limit.lower }
+            }
+            _ => self.assumed_friction(),
+        }
+    }
+
+    /// The friction that the controller counts on.
+    pub(super) fn assumed_friction(&self) -> f64 {
+        let ground = &self.scenario.ground;
+        if ground.known { ground.friction } else { self.scenario.controller.assumed_friction }
+    }
+
+    /// XcoM and feet as the step under way leaves them, or as they are in double support: how far the XcoM is past
+    /// the front foot, and how far the feet are apart [m].
+    pub(super) fn past_front(&self, i: usize) -> (f64, f64) {
+        let (mut xcom, mut feet) = (self.log.get(i, Field::Xcom)[0], [self.foot_x(i, 0), self.foot_x(i, 1)]);
+        let stretch = self.stretch(i);
+        if let Some(foot) = stretch.foot {
+            let duration = self.scenario.reference.step.duration_s;
+            let left = (duration - (self.time(i) - self.time(stretch.ticks.start))).max(0.0);
+            xcom = xcom::predicted_xcom(xcom, feet[1 - foot], self.omega(i), left); // Thesis (2.5)
+            feet[foot] = self.landing(stretch, foot);
+        }
+        let middle = 0.5 * (feet[0] + feet[1]);
+        let apart = (feet[0] - feet[1]).abs();
+        ((xcom - middle).abs() - 0.5 * apart, apart)
+    }
+
+    /// How far the XcoM is beyond what any number of longest steps can catch [m]; negative where it is in reach.
+    ///
+    /// With the XcoM b past the front foot and the feet s apart, the rear foot steps L in the time T and the
+    /// pendulum's point foot stands still: b' = b e^(ωT) − (L − s), s' = L − s. Two such steps keep b where
+    /// b (e^(2ωT) − 1) = (L − s) e^(ωT) + s. Koolen et al. 2012, "Capturability-based analysis", for this step machine.
+    pub(super) fn out_of_reach(&self, i: usize) -> f64 {
+        let step = &self.scenario.reference.step;
+        let (past, apart) = self.past_front(i);
+        let growth = libm::exp(self.omega(i) * step.duration_s);
+        past - ((step.max_length_m - apart) * growth + apart) / (growth * growth - 1.0)
+    }
+}
+
+/// The steps and double supports of a log.
+fn stretches(log: &Log) -> Vec<Stretch> {
+    let mut found: Vec<Stretch> = Vec::new();
+    for i in 0..log.len() {
+        let swing = log.get(i, Field::Swing);
+        match found.last_mut() {
+            Some(last) if log.get(i - 1, Field::Swing) == swing => last.ticks.end = i + 1,
+            _ => found.push(Stretch { ticks: i..i + 1, foot: (swing[0] >= 0.0).then_some(swing[0] as usize) }),
+        }
+    }
+    found
+}
+
+/// The limits of the program by cause; an unloaded foot is how a step looks, not a limit that is met.
+fn saturations(model: &Model, layout: &Layout) -> Vec<Saturation> {
+    let of = |cause: FirstCause, index: usize, begin: &str| {
+        let named = |limit: usize| {
+            let name = &layout.limits()[limit].name;
+            name == begin || name.starts_with(&format!("{begin} "))
+        };
+        Saturation { cause, limits: (0..layout.limits().len()).filter(|&limit| named(limit)).collect(), index }
+    };
+    let mut all = Vec::new();
+    for (index, &dof) in layout.actuated.iter().enumerate() {
+        let joint = model.dofs[dof].name.clone();
+        let (torque, acceleration) = (format!("torque {joint}"), format!("acceleration {joint}"));
+        all.push(of(FirstCause::TorqueLimit { joint: joint.clone() }, index, &torque));
+        all.push(of(FirstCause::JointLimit { joint: joint.clone() }, index, &acceleration));
+        all.push(of(FirstCause::AccelerationLimit { joint }, index, &acceleration));
+    }
+    for (index, contact) in model.contacts.iter().enumerate() {
+        let foot = contact.name.clone();
+        let (force, friction) = (format!("force {foot}"), format!("friction {foot}"));
+        all.push(of(FirstCause::ForceLimit { foot: foot.clone() }, index, &force));
+        all.push(of(FirstCause::Friction { foot }, index, &friction));
+    }
+    all
+}

@@ -1,0 +1,195 @@
+//! What went wrong: the first half of the rules.
+//!
+//! Each of four figures is followed back from the fall to the last time it was in order: the height of the centre of
+//! mass, the lean of the torso, the path of the swinging foot, the reach of the XcoM. The one that left its order first
+//! is what went wrong first.
+
+use std::ops::Range;
+
+use super::evidence::Evidence;
+use super::{Event, What};
+use crate::reference::xcom;
+
+// What is out of order. The built-in scenarios, which stand, reach 0.05 m, 15 deg and 0.06 m.
+
+/// The centre of mass is this far below its reference [m].
+const SUNK: f64 = 0.06;
+/// The torso is this far from its reference [rad]: 25 deg.
+const LEANT: f64 = 0.436;
+/// A swinging foot is this far off its path [m].
+pub(super) const ASTRAY: f64 = 0.1;
+/// A figure begins to go wrong where it was last at this share of its bound.
+const BEGINS: f64 = 0.2;
+/// A window is at least this long [s]: a quarter of a step, so that a share in it means something.
+const SHORTEST_WINDOW: f64 = 0.05;
+/// Where nothing was out of order before the fall, the window is this long [s].
+const LAST_WINDOW: f64 = 0.3;
+
+/// What went wrong first.
+#[derive(Clone, Debug)]
+pub(super) struct Failure {
+    pub(super) kind: Kind,
+    /// From the last tick in order to the first that is out of it.
+    pub(super) window: Range<usize>,
+    /// From the same tick to the end of the step or double support in which it went out of order.
+    pub(super) growth: Range<usize>,
+}
+
+impl Failure {
+    /// A failure that began in tick `begin` and was out of order in tick `out`.
+    fn new(evidence: &Evidence<'_>, kind: Kind, begin: usize, out: usize) -> Self {
+        let begin = begin.min(out.saturating_sub(evidence.ticks_in(SHORTEST_WINDOW)));
+        Self { kind, window: begin..out + 1, growth: begin..evidence.stretch(out).ticks.end }
+    }
+
+    /// What the task misses in tick `i` that should keep the figure in order: N, rad/s² or m/s².
+    pub(super) fn missed(&self, evidence: &Evidence<'_>, i: usize) -> f64 {
+        match self.kind {
+            Kind::Sinking => evidence.missed_force(i),
+            Kind::Leaning => evidence.missed_torso(i),
+            Kind::Astray(foot) => evidence.missed_foot(i, foot),
+            Kind::OutOfReach | Kind::Sudden => 1.0,
+        }
+    }
+}
+
+/// Which figure it was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// The XcoM is beyond what steps can catch.
+    OutOfReach,
+    /// The centre of mass is too low.
+    Sinking,
+    /// The torso is too far from its reference.
+    Leaning,
+    /// This swinging foot is off its path.
+    Astray(usize),
+    /// Nothing was out of order until the fall.
+    Sudden,
+}
+
+/// What went out of order for good, the first first; never empty.
+pub(super) fn failures(evidence: &Evidence<'_>) -> Vec<Failure> {
+    let found = [
+        failing(evidence, Kind::OutOfReach, 0.0, |i| evidence.out_of_reach(i)),
+        failing(evidence, Kind::Sinking, SUNK, |i| evidence.sunk(i)),
+        failing(evidence, Kind::Leaning, LEANT, |i| evidence.lean(i).abs()),
+        astray(evidence),
+    ];
+    let mut found: Vec<Failure> = found.into_iter().flatten().collect();
+    found.sort_by_key(|failure| failure.window.end);
+    if found.is_empty() {
+        let last = evidence.log.len();
+        found.push(Failure::new(evidence, Kind::Sudden, last.saturating_sub(evidence.ticks_in(LAST_WINDOW)), last - 1));
+    }
+    found
+}
+
+/// Where `figure` exceeded `bound` and never came back.
+fn failing(evidence: &Evidence<'_>, kind: Kind, bound: f64, figure: impl Fn(usize) -> f64) -> Option<Failure> {
+    let count = evidence.log.len();
+    let out = (0..count).rev().take_while(|&i| figure(i) > bound).last()?;
+    let begin = (0..out).rev().find(|&i| figure(i) <= BEGINS * bound).unwrap_or(0);
+    Some(Failure::new(evidence, kind, begin, out))
+}
+
+/// Where the steps before the fall, each of them, began to lead astray.
+fn astray(evidence: &Evidence<'_>) -> Option<Failure> {
+    let mut found = None;
+    let swings = evidence.stretches.iter().rev().filter_map(|stretch| Some((stretch.foot?, &stretch.ticks)));
+    for (number, (foot, ticks)) in swings.enumerate() {
+        match ticks.clone().find(|&i| evidence.foot_off(i, foot) > ASTRAY) {
+            Some(out) => found = Some(Failure::new(evidence, Kind::Astray(foot), ticks.start, out)),
+            None if number == 0 => {} // The step that the fall cut off.
+            None => break,
+        }
+    }
+    found
+}
+
+/// The time of a tick [s], how far the XcoM is past the front foot, and the step that would end at it [m].
+pub(super) fn wanted(evidence: &Evidence<'_>, tick: usize) -> (f64, f64, f64) {
+    let (past, apart) = evidence.past_front(tick);
+    let duration = evidence.scenario.reference.step.duration_s;
+    let step = xcom::predicted_xcom(past, 0.0, evidence.omega(tick), duration) + apart; // Thesis (2.5)
+    (evidence.time(tick), past, step)
+}
+
+/// What the cause did, told at the end of the step or double support in which it went wrong.
+pub(super) fn consequence(evidence: &Evidence<'_>, failure: &Failure) -> Option<Event> {
+    let (end, stretch) = (failure.growth.end - 1, evidence.stretch(failure.growth.end - 1));
+    let mean = |figure: &dyn Fn(usize) -> f64| -> f64 {
+        failure.growth.clone().map(figure).sum::<f64>() / failure.growth.len() as f64
+    };
+    let what = match failure.kind {
+        Kind::Sinking => What::Sank { by: evidence.sunk(end), missed: mean(&|i| evidence.missed_force(i)) },
+        Kind::Leaning => What::Leaned { by: evidence.lean(end), missed: mean(&|i| evidence.missed_torso(i)) },
+        Kind::Astray(foot) => What::FootAstray {
+            foot: evidence.foot_name(foot),
+            short: evidence.short(stretch, foot),
+            off: stretch.ticks.clone().map(|i| evidence.foot_off(i, foot)).fold(0.0, f64::max),
+            missed: mean(&|i| evidence.missed_foot(i, foot)),
+        },
+        Kind::OutOfReach => {
+            let (time, past, wanted) = wanted(evidence, failure.window.end - 1);
+            let short = wanted - evidence.scenario.reference.step.max_length_m;
+            return Some(Event { time, what: What::OutOfReach { past, short, pushed: None } });
+        }
+        Kind::Sudden => return None,
+    };
+    Some(Event { time: evidence.time(end), what })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::episode::{self, Outcome, Run};
+    use crate::{library, scenario_file};
+
+    fn run(name: &str, set: &[&str]) -> Run {
+        let set: Vec<String> = set.iter().map(|&set| set.to_owned()).collect();
+        let loaded = scenario_file::load(name, &set).expect("a built-in scenario");
+        let model = library::load_model(&loaded.scenario.model, None).expect("a built-in model");
+        episode::run(&loaded.scenario, &model, &[], |_| false).expect("it can start")
+    }
+
+    #[test]
+    fn runs_that_stand_keep_all_figures_in_order() {
+        for name in ["stand", "walk", "walk-support", "walk-slope", "push", "push-support", "waypoints"] {
+            let run = run(name, &["duration_s=3"]);
+            assert_eq!(run.outcome, Outcome::Completed);
+            let evidence = Evidence::new(&run.scenario, &run.model, &run.log, &run.layout);
+            let most = |figure: &dyn Fn(usize) -> f64| (0..run.log.len()).map(figure).fold(0.0, f64::max);
+            let sunk = most(&|i| evidence.sunk(i));
+            let lean = most(&|i| evidence.lean(i).abs());
+            let off = most(&|i| evidence.stretch(i).foot.map_or(0.0, |foot| evidence.foot_off(i, foot)));
+            assert!(sunk < 0.9 * SUNK && lean < 0.7 * LEANT && off < 0.7 * ASTRAY, "{name}: {sunk} {lean} {off}");
+            let slid = evidence
+                .stretches
+                .iter()
+                .flat_map(|stretch| (0..2).map(|foot| evidence.slide(stretch.ticks.clone(), foot)));
+            let slid = slid.fold(0.0, f64::max);
+            assert!(slid < 0.01, "{name}: {slid}");
+            assert!(evidence.out_of_reach(run.log.len() - 1) < 0.0, "{name}");
+        }
+    }
+
+    #[test]
+    fn the_reach_is_that_of_longest_steps_on_the_pendulum() {
+        let run = run("stand", &["duration_s=0.01"]);
+        let evidence = Evidence::new(&run.scenario, &run.model, &run.log, &run.layout);
+        let (past, apart) = evidence.past_front(0);
+        let bound = past - evidence.out_of_reach(0);
+        let step = &run.scenario.reference.step;
+        // By steps: XcoM past the front foot, feet apart; just below the bound it stays, just above it runs away.
+        for (start, stays) in [(bound - 1e-3, true), (bound + 1e-3, false)] {
+            let (mut past, mut apart) = (start, apart);
+            for _ in 0..20 {
+                past =
+                    xcom::predicted_xcom(past, 0.0, evidence.omega(0), step.duration_s) - (step.max_length_m - apart);
+                apart = step.max_length_m - apart;
+            }
+            assert_eq!(past < bound, stays, "{start}: {past}");
+        }
+    }
+}

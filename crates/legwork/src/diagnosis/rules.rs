@@ -1,0 +1,226 @@
+//! The rules: from the log of a run that fell to the first cause. `docs/diagnosis.md` has them in words.
+//!
+//! What went wrong first, and in which ticks, is found in `failure.rs`. Why is decided here: the causes are tried in
+//! the order of [`first_cause`], the first that holds is the first cause.
+
+use std::ops::Range;
+
+use legwork_rbd::Model;
+
+use super::evidence::{Evidence, Saturation, Stretch};
+use super::failure::{ASTRAY, Failure, Kind, consequence, failures, wanted};
+use super::{Cause, Diagnosis, Event, Fall, FirstCause, What, words};
+use crate::control::Fallback;
+use crate::log::Log;
+use crate::qp::Layout;
+use crate::scenario::{ContactModel, Push, Scenario};
+
+/// What slid or saturated first is looked for from this long before the window on [s]: about a step earlier.
+const LEAD: f64 = 0.25;
+/// A loaded foot slid this far [m]. In built-in scenarios that stand it is less than 0.01 m a step.
+const SLID: f64 = 0.02;
+/// A limit was active in this share of the time in which the failure grew.
+const SATURATED: f64 = 0.3;
+/// Limits that were more active by this share than in the steps before come first: healthy steps touch limits, too.
+const MORE_THAN_BEFORE: f64 = 0.2;
+/// Among limits that account for at least this share of the most that one accounts for, the first to saturate counts.
+const AS_GOOD: f64 = 0.95;
+/// A friction cone this wide holds the force from a foot to the centre of mass at either end of the longest step
+/// ([`LONGEST_STEP`]): it is touched where other limits push the force aside, and more friction saves no fall.
+const WIDE_CONE: f64 = 0.7;
+/// Hard tasks yielded in this share of the time in which the failure grew.
+const YIELDED: f64 = 0.3;
+/// The balance of energy is broken by this share of m g h. Sound runs stay hundreds of times below.
+const ENERGY: f64 = 0.05;
+/// On a damped spring, a foot that should stand was off the ground for this share of the time up to the window's end.
+const BOUNCED: f64 = 0.1;
+/// The longest step that legs make, in heights of the CoM at the start: legs are about 1.05 of them long, and hips let
+/// down to 0.78 of them reach 0.7 behind and 0.7 ahead.
+const LONGEST_STEP: f64 = 1.4;
+/// A foot on its path is late when its step has lasted this many times its duration: healthy ones last up to 1.3.
+const LATE: f64 = 1.5;
+
+/// Why the robot of `scenario` fell; `log` is that of the whole run, `layout` that of its program.
+pub fn diagnose(scenario: &Scenario, model: &Model, fall: &Fall, log: &Log, layout: &Layout) -> Diagnosis {
+    let the_fall = Event { time: fall.time, what: What::Fell };
+    if log.is_empty() {
+        return Diagnosis { cause: FirstCause::Unexplained, events: vec![the_fall], sentence: super::sentence(fall) };
+    }
+    let evidence = Evidence::new(scenario, model, log, layout);
+    let failures = failures(&evidence);
+    let first = &failures[0];
+    let (cause, because) = first_cause(&evidence, first, fall)
+        .map_or((FirstCause::Unexplained, None), |(cause, event)| (cause, Some(event)));
+    let effect = consequence(&evidence, first);
+    let sentence = words::sentence(&evidence, fall, because.as_ref(), effect.as_ref());
+
+    let mut events: Vec<Event> = failures[1..].iter().filter_map(|later| consequence(&evidence, later)).collect();
+    events.extend(because.into_iter().chain(effect));
+    let pushes = scenario.pushes.iter().filter(|push| push.start_s < fall.time && impulse(push) > 0.0);
+    events.extend(pushes.map(|push| Event { time: push.start_s, what: What::Pushed { impulse: impulse(push) } }));
+    events.sort_by(|a, b| a.time.total_cmp(&b.time));
+    events.push(the_fall);
+    Diagnosis { cause, events, sentence }
+}
+
+/// Impulse of a push [Ns].
+pub(super) fn impulse(push: &Push) -> f64 {
+    push.force_n.abs() * push.duration_s
+}
+
+/// The first cause of `failure`: the first rule that holds. Rules on the simulation come before those on the robot,
+/// and a rule that names the part which gave way before one that only describes.
+fn first_cause(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Option<(FirstCause, Event)> {
+    numerics(evidence, failure, fall)
+        .or_else(|| slide(evidence, failure))
+        .or_else(|| missed_ground(evidence, failure))
+        .or_else(|| out_of_reach(evidence, failure))
+        .or_else(|| yielded(evidence, failure))
+        .or_else(|| saturation(evidence, failure))
+}
+
+/// Energy came from nothing, or feet that should stand bounced on the damped spring, before anything failed.
+fn numerics(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Option<(FirstCause, Event)> {
+    let said = |tick: usize, what| Some((FirstCause::Numerics, Event { time: evidence.time(tick), what }));
+    let broken = ENERGY * evidence.weight() * evidence.scenario.start.com_height_m;
+    let end = failure.window.end;
+    if let Some(tick) = (0..end).find(|&i| evidence.energy_error(i) > broken) {
+        return said(tick, What::EnergyFromNothing { joules: evidence.energy_error(tick) });
+    }
+    if fall.cause == (Cause::OutOfBounds { joint: None }) {
+        return said(evidence.log.len() - 1, What::Diverged);
+    }
+    if evidence.scenario.simulation.contact.model != ContactModel::SpringDamper {
+        return None;
+    }
+    let should_stand = |i: usize, foot: usize| evidence.stretch(i).foot != Some(foot);
+    let off: Vec<usize> =
+        (0..end).filter(|&i| (0..2).any(|foot| should_stand(i, foot) && !evidence.touching(i, foot))).collect();
+    let share = off.len() as f64 / end as f64;
+    if share > BOUNCED { said(off[0], What::Bounced { share }) } else { None }
+}
+
+/// A loaded foot slid on ground that is more slippery than the controller was told. Where it knows the ground, it
+/// stops at the friction cone, and [`saturation`] judges that.
+fn slide(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
+    if evidence.assumed_friction() <= evidence.scenario.ground.friction {
+        return None;
+    }
+    let begin = failure.window.start.saturating_sub(evidence.ticks_in(LEAD));
+    let (foot, by) = (0..2)
+        .map(|foot| (foot, evidence.slide(begin..failure.window.end, foot)))
+        .fold((0, 0.0), |most, next| if next.1 > most.1 { next } else { most });
+    if by <= SLID {
+        return None;
+    }
+    // It began where nine tenths of it were still to come.
+    let mut rest = 0.0;
+    let started = (begin..failure.window.end).rev().find(|&i| {
+        rest += evidence.slide(i..i + 1, foot);
+        rest > 0.9 * by
+    });
+    let name = evidence.foot_name(foot);
+    let what = What::Slid { foot: name.clone(), by };
+    Some((FirstCause::Friction { foot: name }, Event { time: evidence.time(started.unwrap_or(begin)), what }))
+}
+
+/// The controller did not know the slope, and a swinging foot found no ground at the end of its path.
+fn missed_ground(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
+    let (ground, controller) = (&evidence.scenario.ground, &evidence.scenario.controller);
+    if ground.known || ground.slope_deg == controller.assumed_slope_deg {
+        return None;
+    }
+    let stretch = evidence.stretch(failure.window.end - 1);
+    let (foot, begin) = (stretch.foot?, stretch.ticks.start);
+    let late = begin + evidence.ticks_in(LATE * evidence.scenario.reference.step.duration_s);
+    let hangs = stretch.ticks.contains(&late) && !evidence.touching(late, foot);
+    if !hangs || evidence.foot_off(late, foot) > ASTRAY {
+        return None;
+    }
+    let name = evidence.foot_name(foot);
+    let what =
+        What::MissedGround { foot: name.clone(), lasted: evidence.time(stretch.ticks.end - 1) - evidence.time(begin) };
+    Some((FirstCause::MissedGround { foot: name }, Event { time: evidence.time(late), what }))
+}
+
+/// The XcoM is past what the longest steps can catch: a push did it, or the steps are too short.
+fn out_of_reach(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
+    if failure.kind != Kind::OutOfReach {
+        return None;
+    }
+    let out = failure.window.end - 1;
+    // Told where the next step begins after the push: what it has to reach.
+    let pushes = || evidence.scenario.pushes.iter().filter(|push| push.start_s <= evidence.time(out));
+    let over = pushes().map(|push| push.start_s + push.duration_s).fold(evidence.time(out), f64::max);
+    let next = evidence.stretches.iter().find(|stretch| {
+        stretch.foot.is_some() && stretch.ticks.start >= out && evidence.time(stretch.ticks.start) >= over
+    });
+    let last = evidence.log.len() - 1;
+    let after = (out..last).find(|&i| evidence.time(i) >= over).unwrap_or(last);
+    let tick = next.map_or(after, |stretch| stretch.ticks.start.max(1) - 1);
+    let (time, past, wanted) = wanted(evidence, tick);
+    let short = wanted - evidence.scenario.reference.step.max_length_m;
+    let impulse = pushes().map(impulse).sum();
+    let longest = LONGEST_STEP * evidence.scenario.start.com_height_m;
+    let cause = if impulse > 0.0 && wanted > longest { FirstCause::Push } else { FirstCause::StepTooShort };
+    let pushed = (cause == FirstCause::Push).then_some(impulse);
+    (short > 0.0).then_some((cause, Event { time, what: What::OutOfReach { past, short, pushed } }))
+}
+
+/// Hard tasks gave way, or no program had a solution.
+fn yielded(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
+    let did = |i: usize| evidence.fallback(i) >= f64::from(Fallback::TasksYield as u8);
+    let (ticks, of) = (failure.growth.clone().filter(|&i| did(i)).count(), failure.growth.len());
+    let first = failure.growth.clone().find(|&i| did(i))?;
+    let event = Event { time: evidence.time(first), what: What::TasksYielded { ticks, of } };
+    (ticks as f64 > YIELDED * of as f64).then_some((FirstCause::InfeasibleProgram, event))
+}
+
+/// The limit that accounts for most of what the task missed whose figure failed: while the failure grew, or else in the
+/// time that led to it.
+fn saturation(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
+    let lead = failure.window.start.saturating_sub(evidence.ticks_in(LEAD));
+    let times = [failure.growth.clone(), lead..failure.window.end];
+    let found = |ticks: &Range<usize>| Some((saturated(evidence, failure, ticks)?, ticks.clone()));
+    let (limit, ticks) = times.iter().find_map(found)?;
+    Some((limit.cause.clone(), told(evidence, limit, &ticks)))
+}
+
+/// The limit that accounts for most of what was missed in `ticks`.
+fn saturated<'e>(evidence: &'e Evidence<'_>, failure: &Failure, ticks: &Range<usize>) -> Option<&'e Saturation> {
+    let healthy = 0..evidence.stretch(ticks.start).ticks.start;
+    let share = |limit: &Saturation| evidence.share(limit, ticks.clone());
+    let more = |limit: &Saturation| share(limit) >= MORE_THAN_BEFORE + evidence.share(limit, healthy.clone());
+    let wide = evidence.assumed_friction() >= WIDE_CONE;
+    let excused = |limit: &Saturation| wide && matches!(limit.cause, FirstCause::Friction { .. });
+    let accounts = |limit: &Saturation| -> f64 {
+        ticks.clone().filter(|&i| evidence.is_saturated(limit, i)).map(|i| failure.missed(evidence, i)).sum()
+    };
+    let lead = ticks.start.saturating_sub(evidence.ticks_in(LEAD));
+    let first = |limit: &Saturation| (lead..ticks.end).find(|&i| evidence.is_saturated(limit, i));
+
+    let mut candidates: Vec<&Saturation> =
+        evidence.saturations.iter().filter(|limit| share(limit) >= SATURATED && !excused(limit)).collect();
+    if candidates.iter().any(|limit| more(limit)) {
+        candidates.retain(|limit| more(limit));
+    }
+    let most = candidates.iter().map(|limit| accounts(limit)).fold(0.0, f64::max);
+    candidates.into_iter().filter(|limit| accounts(limit) >= AS_GOOD * most).min_by_key(|limit| first(limit))
+}
+
+/// A limit's share of the step or double support in which it was active for most of `ticks`.
+fn told(evidence: &Evidence<'_>, limit: &Saturation, ticks: &Range<usize>) -> Event {
+    let active = |stretch: &Stretch| {
+        let both = stretch.ticks.start.max(ticks.start)..stretch.ticks.end.min(ticks.end);
+        both.filter(|&i| evidence.is_saturated(limit, i)).count()
+    };
+    let stretch = evidence.stretches.iter().max_by_key(|stretch| active(stretch)).unwrap_or(&evidence.stretches[0]);
+    let begin = stretch.ticks.clone().find(|&i| evidence.is_saturated(limit, i)).unwrap_or(stretch.ticks.start);
+    let what = What::Saturated {
+        cause: limit.cause.clone(),
+        value: evidence.limit_value(&limit.cause, begin),
+        share: evidence.share(limit, stretch.ticks.clone()),
+        swing: stretch.foot.map(|foot| evidence.foot_name(foot)),
+    };
+    Event { time: evidence.time(begin), what }
+}

@@ -1,0 +1,162 @@
+//! The sentence of a diagnosis.
+
+use super::evidence::Evidence;
+use super::{Event, Fall, FirstCause, What, definition};
+use crate::scenario::{Scenario, Tracking};
+
+/// "fell at 1.06 s: what went wrong because of what; how the fall was noticed".
+pub(super) fn sentence(
+    evidence: &Evidence<'_>,
+    fall: &Fall,
+    because: Option<&Event>,
+    consequence: Option<&Event>,
+) -> String {
+    let scenario = evidence.scenario;
+    let cause = because.and_then(|event| reason(evidence, event, consequence));
+    let effect = match because {
+        // The story of the reach is a whole one.
+        Some(Event { what: What::OutOfReach { .. }, .. }) => None,
+        _ => consequence.and_then(|event| effect(scenario, event)),
+    };
+    let missed = match (because, consequence) {
+        (Some(Event { what: What::Saturated { .. }, .. }), Some(event)) => missed(event),
+        _ => String::new(),
+    };
+    let story = match (effect, cause) {
+        (Some(effect), Some(cause)) => format!("{effect} because {cause}{missed}"),
+        (None, Some(cause)) => format!("{cause}{missed}"),
+        (Some(effect), None) => format!("{effect} with no limit to blame"),
+        (None, None) => "no rule explains it".to_owned(),
+    };
+    format!("fell at {:.2} s: {story}; {}", fall.time, definition(fall))
+}
+
+/// A name as words.
+fn plain(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// A setting as it is written, without more digits than a sentence bears.
+fn rounded(value: f64) -> f64 {
+    (1e3 * value).round() / 1e3
+}
+
+/// What went wrong.
+fn effect(scenario: &Scenario, event: &Event) -> Option<String> {
+    let time = event.time;
+    let text = match &event.what {
+        What::Sank { by, .. } => format!("the centre of mass had sunk {by:.2} m by {time:.2} s"),
+        What::Leaned { by, .. } => {
+            let way = if *by > 0.0 { "backward" } else { "forward" };
+            format!("the torso leaned {:.0} deg {way} at {time:.2} s", by.abs().to_degrees())
+        }
+        What::FootAstray { foot, short: Some(short), .. } if short.abs() >= 0.02 => {
+            let way = if *short > 0.0 { "short" } else { "too far" };
+            format!("the {} landed {:.2} m {way} at {time:.2} s", plain(foot), short.abs())
+        }
+        What::FootAstray { foot, off, .. } => {
+            format!("the {} was up to {off:.2} m off its path by {time:.2} s", plain(foot))
+        }
+        What::OutOfReach { past, .. } => {
+            let longest = rounded(scenario.reference.step.max_length_m);
+            format!(
+                "the XcoM, {past:.2} m past the front foot at {time:.2} s, was out of reach of steps of {longest} m"
+            )
+        }
+        _ => return None,
+    };
+    Some(text)
+}
+
+/// Which task was given up meanwhile, and by how much.
+fn missed(event: &Event) -> String {
+    match event.what {
+        What::Sank { missed, .. } => format!(", {missed:.0} N of lift given up"),
+        What::Leaned { missed, .. } => format!(", {missed:.0} rad/s2 of the torso's task given up"),
+        What::FootAstray { missed, .. } => format!(", {missed:.0} m/s2 of the foot's task given up"),
+        _ => String::new(),
+    }
+}
+
+/// The first cause.
+fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -> Option<String> {
+    let scenario = evidence.scenario;
+    let text = match &event.what {
+        What::Saturated { cause, value, share, swing } => {
+            let told = match consequence {
+                Some(Event { what: What::FootAstray { foot, .. }, .. }) => Some(foot),
+                _ => None,
+            };
+            let during = match swing {
+                Some(foot) if told == Some(foot) => "of the swing".to_owned(),
+                Some(foot) => format!("of the {}'s swing", plain(foot)),
+                None => "of the double support".to_owned(),
+            };
+            format!("{} for {:.0} % {during}", at_limit(cause, *value)?, 100.0 * share)
+        }
+        What::Slid { foot, by } => {
+            let (friction, assumed) = (rounded(scenario.ground.friction), rounded(evidence.assumed_friction()));
+            let belief = if assumed == friction { String::new() } else { format!(", assumed to be {assumed}") };
+            let time = event.time;
+            format!("the {} slid {by:.2} m from {time:.2} s on (friction {friction}{belief})", plain(foot))
+        }
+        What::OutOfReach { past, short, pushed } => {
+            let longest = rounded(scenario.reference.step.max_length_m);
+            let who =
+                pushed.map_or("the XcoM got".to_owned(), |push| format!("the push of {push:.0} Ns carried the XcoM"));
+            let time = event.time;
+            format!(
+                "{who} {past:.2} m past the front foot by {time:.2} s, and the longest step of {longest} m fell {short:.2} m short of it"
+            )
+        }
+        What::MissedGround { foot, lasted } => {
+            let (slope, assumed) = (rounded(scenario.ground.slope_deg), rounded(scenario.controller.assumed_slope_deg));
+            format!(
+                "the {} found no ground for {lasted:.2} s (slope {slope} deg, assumed to be {assumed})",
+                plain(foot)
+            )
+        }
+        What::TasksYielded { ticks, of } => {
+            let tracking = &scenario.controller.tracking;
+            let tasks = [("momentum", tracking.momentum), ("feet", tracking.feet), ("torso", tracking.torso)];
+            let hard: Vec<&str> =
+                tasks.iter().filter(|(_, task)| *task == Tracking::Equality).map(|(name, _)| *name).collect();
+            let what = if hard.is_empty() {
+                "the program".into()
+            } else {
+                format!("the program with hard {}", hard.join(", "))
+            };
+            format!("{what} had no solution in {ticks} of {of} ticks from {:.2} s on", event.time)
+        }
+        What::EnergyFromNothing { joules } => {
+            format!("the simulation's energy was wrong by {joules:.1e} J at {:.2} s", event.time)
+        }
+        What::Diverged => "the simulation diverged".to_owned(),
+        What::Bounced { share } => {
+            let stiffness = scenario.simulation.contact.stiffness_npm;
+            format!(
+                "standing feet bounced off the ground of {stiffness:.0e} N/m for {:.0} % of the time",
+                100.0 * share
+            )
+        }
+        _ => return None,
+    };
+    Some(text)
+}
+
+/// A part at its limit.
+fn at_limit(cause: &FirstCause, value: f64) -> Option<String> {
+    let part = plain(cause.part()?);
+    match cause {
+        FirstCause::TorqueLimit { .. } => Some(format!("the {part} was at its {value:.0} Nm torque limit")),
+        FirstCause::AccelerationLimit { .. } => Some(format!("the {part} was at its limit of {value:.0} rad/s2")),
+        FirstCause::JointLimit { .. } => {
+            Some(format!("the {part} braked before its end at {:.0} deg", value.to_degrees()))
+        }
+        FirstCause::ForceLimit { .. } => Some(format!("the {part} was at its {value:.0} N force limit")),
+        FirstCause::Friction { .. } => {
+            Some(format!("the {part} was at the edge of its friction cone ({})", rounded(value)))
+        }
+        _ => None,
+    }
+}
