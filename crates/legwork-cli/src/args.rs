@@ -30,6 +30,19 @@ command goes on where it was. docs/studies.md has the format of the files.
 Exit code: 0 done (falls are results), 1 a file could not be read or written,
 2 wrong invocation or input, 130 interrupted.";
 
+const REPRODUCE_HELP: &str = "\
+Examples:
+  legwork reproduce
+  legwork reproduce --out comparison --threads 2
+  legwork reproduce --json > comparison.json
+
+Everything is run in both readings of the least step length (docs/parameters.md).
+The folder then holds results.json, the tables sweeps, runs, tables, limits,
+claims and questions as CSV and Parquet, and the logs of the eight main runs.
+
+Exit code: 0 done (what is not reproduced is a result), 1 a file could not be
+written, 2 wrong invocation, 130 interrupted.";
+
 const INSPECT_HELP: &str = "\
 Examples:
   legwork inspect planar_humanoid
@@ -39,6 +52,20 @@ Examples:
 A state is {\"q\": [...], \"v\": [...]}; q_names and v_names of --json give the order.
 A floating base has q = quaternion w x y z, then position x y z, and
 v = angular, then linear velocity in the body's frame.";
+
+const LIMITS_HELP: &str = "\
+Examples:
+  legwork limits
+  legwork limits --only limits --quick
+  legwork limits --walk walk-support --push push-support --out limits
+  legwork limits --only sizing --set reference.com.speed_mps=0.4 --json
+
+The two scenarios share --set, but for the settings of pushes, which only the
+second has. Walking needs a constant speed, and the second scenario a push.
+
+Exit code: 0 done (what does not hold is a result), 1 a file could not be read
+or written, 2 wrong invocation or input, 130 interrupted (Ctrl-C keeps what
+was finished).";
 
 /// Finds out what a biped's controller can survive, and why it fell.
 ///
@@ -64,6 +91,12 @@ pub(crate) enum Command {
     /// Run a study: scenarios over many values of their settings, on all cores
     #[command(after_help = STUDY_HELP, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
     Study(StudyArgs),
+    /// Find the top speed, the largest push, the lowest torque limit, and what the actuators must deliver
+    #[command(after_help = LIMITS_HELP)]
+    Limits(LimitsArgs),
+    /// Hold everything that the thesis reports beside what is measured: tables, sweeps, limits, claims, open questions
+    #[command(after_help = REPRODUCE_HELP)]
+    Reproduce(ReproduceArgs),
     /// List models, scenarios, studies, and every setting with unit, default, range and source
     #[command(after_help = "Example:\n  legwork list settings")]
     List(ListArgs),
@@ -158,6 +191,70 @@ pub(crate) struct MergeArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) into: Option<PathBuf>,
     /// Print a JSON object instead of tables
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Options of `limits`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct LimitsArgs {
+    /// The scenario that walks: built in, or a TOML file
+    #[arg(long, value_name = "SCENARIO", default_value = "walk")]
+    pub(crate) walk: String,
+    /// The scenario that is pushed: built in, or a TOML file
+    #[arg(long, value_name = "SCENARIO", default_value = "push")]
+    pub(crate) push: String,
+    /// Change a setting
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub(crate) sets: Vec<String>,
+    /// Only these parts, separated by commas
+    #[arg(long, value_enum, value_name = "PARTS", value_delimiter = ',')]
+    pub(crate) only: Vec<Part>,
+    /// Coarser steps, fewer directions and phases, and limits that are not confirmed as well
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// How much more than the largest demand an actuator should deliver, as a share
+    #[arg(long, value_name = "SHARE", default_value_t = 0.2, value_parser = share)]
+    pub(crate) margin: f64,
+    /// Write the tables as CSV files into a folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Number of threads; all cores by default
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| (0.0..=10.0).contains(number));
+    number.ok_or_else(|| "valid is a number from 0 to 10".to_owned())
+}
+
+/// A part of `limits`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Part {
+    /// Top speed, largest push, lowest torque and force limit, lowest friction
+    Limits,
+    /// Largest impulse by direction and gait phase
+    Robustness,
+    /// Torque, speed and power of each joint
+    Sizing,
+    /// Pairs of speed and torque limit
+    Map,
+}
+
+/// Options of `reproduce`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct ReproduceArgs {
+    /// Folder for the tables and logs
+    #[arg(long, value_name = "DIR", default_value = "legwork-reproduction")]
+    pub(crate) out: PathBuf,
+    /// Number of threads, instead of one a core
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// Print one JSON object instead of a summary
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -1,9 +1,10 @@
 //! Work that takes a while: Ctrl-C, and the bar that shows how long there is to wait.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use legwork::study::parallel::run_all;
 
 /// Exit code after Ctrl-C, as shells have it: 128 and the number of the signal.
 pub(crate) const INTERRUPTED: u8 = 130;
@@ -55,5 +56,34 @@ impl Progress {
     /// Takes the bar away.
     pub(crate) fn finish(&self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// Many jobs of different kinds whose progress is shown as one.
+pub(crate) struct Jobs {
+    progress: Progress,
+    done: AtomicU64,
+}
+
+impl Jobs {
+    /// Work of about so many rollouts.
+    pub(crate) fn new(name: &str, rollouts: u64) -> Self {
+        let progress = Progress::new(name, rollouts, "{percent} % of about {len} rollouts");
+        Self { progress, done: AtomicU64::new(0) }
+    }
+
+    /// The results of `job(0)` to `job(count - 1)`, each of about so many rollouts, without those that were stopped.
+    pub(crate) fn all<T: Send>(&self, count: usize, rollouts: u64, job: impl Fn(usize) -> Option<T> + Sync) -> Vec<T> {
+        let results = run_all(count, |index| {
+            let result = if interrupted() { None } else { job(index) };
+            self.progress.tell(self.done.fetch_add(rollouts, Ordering::Relaxed) + rollouts);
+            Some(result)
+        });
+        results.into_iter().flatten().flatten().collect()
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn finish(&self) {
+        self.progress.finish();
     }
 }

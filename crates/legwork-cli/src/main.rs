@@ -5,10 +5,12 @@
 
 mod args;
 mod inspect;
+mod limits;
 mod list;
 mod long_work;
 mod output;
 mod report;
+mod reproduce;
 mod run;
 mod study;
 mod study_summary;
@@ -30,6 +32,8 @@ fn main() -> ExitCode {
             Some(StudyCommand::Merge(options)) => study::merge(options, &mut output),
             None => study::run(&options, &mut output),
         },
+        Command::Limits(options) => limits::limits(&options, &mut output),
+        Command::Reproduce(options) => reproduce::reproduce(&options, &mut output),
         Command::List(options) => list::list(&options, &mut output).map(|()| ExitCode::SUCCESS),
         Command::Show(options) => list::show(&options, &mut output).map(|()| ExitCode::SUCCESS),
         Command::Inspect(options) => inspect::inspect(&options, &mut output).map(|()| ExitCode::SUCCESS),

@@ -109,13 +109,7 @@ fn publish(study: &Study, store: &Store, folder: &Path, json: bool, output: &mut
     let results = Results::new(study, store.records())?;
     let summary = study_summary::json(&results)?;
     write_text(&folder.join("results.json"), &format!("{summary:#}\n"))?;
-    let page = report::study::page(&results)?;
-    let figures = folder.join("figures");
-    std::fs::create_dir_all(&figures).map_err(|error| Error::io(&figures, &error))?;
-    for (name, svg) in &page.figures {
-        write_text(&figures.join(name), svg)?;
-    }
-    write_text(&folder.join("report.html"), &page.html)?;
+    report::study::page(&results)?.write(folder)?;
     output.line(if json { summary.to_string() } else { study_summary::text(&results)? })?;
     output.flush()?;
     say(&format!("report: {}", folder.join("report.html").display()));

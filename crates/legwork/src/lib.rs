@@ -29,6 +29,7 @@ pub mod planner;
 pub mod published;
 pub mod qp;
 pub mod reference;
+pub mod reproduce;
 pub mod scenario;
 pub mod scenario_file;
 pub mod settings;

@@ -7,9 +7,11 @@
 mod chart;
 mod charts;
 pub(crate) mod document;
+pub(crate) mod envelope;
 mod figures;
 mod limits;
 mod origin;
+pub(crate) mod reproduction;
 mod scale;
 mod stage;
 mod stick;

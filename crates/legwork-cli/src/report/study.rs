@@ -270,7 +270,8 @@ fn sobol(results: &Results, base: usize, figures: &mut Figures) -> Result<Chapte
             &format!("{name}-total"),
             &format!("Total Sobol' indices, {name}"),
             "The share of a figure's variance that would remain if all other factors were known: the factor's own \
-             effect with all its interactions. A run that fell counts as bad as the worst one that did not.",
+             effect with all its interactions. Of survival itself, and of a figure's rank among all rollouts; falls share \
+             the last rank.",
             |width| overview.draw(width),
         ),
     }];

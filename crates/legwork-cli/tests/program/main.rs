@@ -4,6 +4,7 @@ mod commands;
 mod inspect;
 mod interrupt;
 mod json;
+mod limits;
 mod logs;
 mod models;
 mod outputs;

@@ -131,8 +131,9 @@ impl<'a> Results<'a> {
 
     /// Sobol' indices of survival and of each metric; none of another design than Saltelli's.
     ///
-    /// A fall has no figure that could be compared with those of whole runs: it counts as bad as the worst run of the
-    /// scenario that did not fall. How often that was so is the share of falls.
+    /// The indices of a metric are those of its rank among the scenario's rollouts (Saltelli and Sobol' 1995,
+    /// doi:10.1016/0951-8320(95)00099-2). A fall has no figure that could be compared with those of whole runs: all falls
+    /// share the last rank. The values themselves would not do, as a few runs near a fall have most of their variance.
     ///
     /// # Errors
     /// Fewer than two base samples can be used.
@@ -142,33 +143,56 @@ impl<'a> Results<'a> {
             let indices = sobol_indices(&outputs, self.study.factors.len(), second_order, bootstrap)?;
             Ok(Sensitivity { metric, indices })
         };
-        self.outputs(base).map(of).collect()
+        let survived = (SURVIVED.to_owned(), self.survival(base));
+        let ranked = self.whole_runs(base).map(|(metric, values)| (metric, ranks(&values)));
+        std::iter::once(survived).chain(ranked).map(of).collect()
     }
 
-    /// Elementary effects of each factor on survival and on each metric; none of another design than Morris's.
+    /// Elementary effects of each factor on survival and on each metric, in its unit; none of another design than Morris's.
+    ///
+    /// A fall counts as bad as the worst run of the scenario that did not fall.
     ///
     /// # Errors
     /// Fewer than two trajectories can be used.
     pub fn morris(&self, base: usize, bootstrap: &Bootstrap) -> Result<Vec<(String, Vec<Effects>)>, Error> {
         let Design::Morris { .. } = self.study.design else { return Ok(Vec::new()) };
         let points = self.study.unit_points().expect("the design is a sampled one");
-        self.outputs(base).map(|(metric, outputs)| Ok((metric, morris(&points, &outputs, bootstrap)?))).collect()
+        let survived = (SURVIVED.to_owned(), self.survival(base));
+        let worst = |values: &[Option<f64>]| values.iter().copied().flatten().fold(f64::MIN, f64::max);
+        let filled = |values: Vec<Option<f64>>| values.iter().map(|value| value.unwrap_or(worst(&values))).collect();
+        let metrics = self.whole_runs(base).map(|(metric, values)| (metric, filled(values)));
+        let of = |(metric, outputs): (String, Vec<f64>)| Ok((metric, morris(&points, &outputs, bootstrap)?));
+        std::iter::once(survived).chain(metrics).map(of).collect()
     }
 
-    /// Survival and each metric of all rollouts of a scenario, with the worst for those that fell; without the metrics
-    /// that no run of it has.
-    fn outputs(&self, base: usize) -> impl Iterator<Item = (String, Vec<f64>)> + '_ {
-        let rows = self.of(base);
-        let survived = rows.iter().map(|row| f64::from(u8::from(row.ending == Ending::Completed)));
-        let survived = (SURVIVED.to_owned(), survived.collect());
-        let metrics = self.study.metrics.iter().enumerate().filter_map(move |(metric, name)| {
-            let whole = |row: &Row| row.metrics[metric].filter(|_| row.ending == Ending::Completed);
-            let worst = rows.iter().filter_map(whole).fold(f64::NAN, f64::max);
-            let outputs = rows.iter().map(|row| whole(row).unwrap_or(worst)).collect();
-            (!worst.is_nan()).then(|| (name.clone(), outputs))
-        });
-        std::iter::once(survived).chain(metrics)
+    /// 1 for each rollout of a scenario that was on its feet to the end, else 0.
+    fn survival(&self, base: usize) -> Vec<f64> {
+        self.of(base).iter().map(|row| f64::from(u8::from(row.ending == Ending::Completed))).collect()
     }
+
+    /// Each metric of all rollouts of a scenario, none for those that fell; without the metrics that no run of it has.
+    fn whole_runs(&self, base: usize) -> impl Iterator<Item = (String, Vec<Option<f64>>)> + '_ {
+        let whole = |row: &Row, metric: usize| row.metrics[metric].filter(|_| row.ending == Ending::Completed);
+        let values = move |metric: usize| self.of(base).iter().map(|row| whole(row, metric)).collect::<Vec<_>>();
+        let named = move |(metric, name): (usize, &String)| (name.clone(), values(metric));
+        self.study.metrics.iter().enumerate().map(named).filter(|(_, values)| values.iter().any(Option::is_some))
+    }
+}
+
+/// The rank of each value, from 0 for the least to 1 for the largest; equal values share the mean of their ranks, and those
+/// that are missing come last together.
+fn ranks(values: &[Option<f64>]) -> Vec<f64> {
+    let key = |index: usize| values[index].unwrap_or(f64::INFINITY);
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&a, &b| key(a).total_cmp(&key(b)));
+    let last = values.len().saturating_sub(1).max(1) as f64;
+    let mut ranks = vec![0.0; values.len()];
+    for equal in order.chunk_by(|&a, &b| key(a) == key(b)) {
+        let first = order.partition_point(|&index| key(index) < key(equal[0]));
+        let mean = first as f64 + 0.5 * (equal.len() - 1) as f64;
+        equal.iter().for_each(|&index| ranks[index] = mean / last);
+    }
+    ranks
 }
 
 /// Writes all rollouts of `study` as `rollouts.csv` and `rollouts.parquet` into `folder`: number, scenario, the level of
@@ -212,4 +236,17 @@ pub fn write_table(
 
 fn has_texts(levels: &[Level]) -> bool {
     levels.iter().any(|level| level.number().is_none())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ranks;
+
+    #[test]
+    fn ranks_are_shared_by_equals_and_falls_come_last() {
+        assert_eq!(ranks(&[Some(3.0), None, Some(1.0), Some(2.0), None]), [0.5, 0.875, 0.0, 0.25, 0.875]);
+        assert_eq!(ranks(&[Some(2.0), Some(2.0), Some(2.0)]), [0.5; 3]);
+        assert_eq!(ranks(&[Some(-1e300), Some(0.0), Some(1e-300)]), [0.0, 0.5, 1.0]);
+        assert_eq!((ranks(&[]), ranks(&[None])), (vec![], vec![0.0]));
+    }
 }

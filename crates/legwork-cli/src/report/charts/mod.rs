@@ -3,8 +3,6 @@
 //! Each chart is drawn at any width, as part of a page in its colours or as a file of its own. The same data give the
 //! same text. Numbers that are not finite are missing; where nothing is left the drawing says so.
 
-#![cfg_attr(not(test), expect(dead_code, reason = "the page of limits is to come"))]
-
 pub(crate) mod axis;
 pub(crate) mod bars;
 pub(crate) mod cloud;

@@ -1,0 +1,145 @@
+//! The tables of `limits` for people.
+
+use legwork::study::limits::Answer;
+use legwork::study::search::Found;
+use legwork::study::sizing::{Coping, Demand, Pair, Sizing};
+
+use super::{Report, RobustnessMap};
+use crate::output::folded;
+
+/// All parts that were asked for.
+pub(crate) fn text(report: &Report) -> String {
+    let parts = [
+        report.limits.as_deref().map(limits),
+        report.robustness.as_ref().map(robustness),
+        report.sizing.as_ref().map(sizing),
+        report.map.as_deref().map(|pairs| map(&report.walk, pairs)),
+    ];
+    parts.into_iter().flatten().collect::<Vec<_>>().join("\n\n")
+}
+
+fn limits(answers: &[Answer]) -> String {
+    let mut text = "Limits".to_owned();
+    let mut scenario = "";
+    for answer in answers {
+        if answer.scenario != scenario {
+            scenario = &answer.scenario;
+            text += &format!("\n  {scenario:<42}{:>10}{:>10}{:>14}", "limit", "fails at", "furthest held");
+        }
+        let found = &answer.found;
+        let shown = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+        let further = found.furthest_held.filter(|_| found.furthest_held != found.value);
+        let label = format!("{} [{}]", answer.question, answer.unit).replace(" []", "");
+        let line =
+            format!("\n    {label:<40}{:>10}{:>10}{:>14}", limit(found), shown(found.first_failure), shown(further));
+        text += line.trim_end();
+        if let Some(reason) = &found.reason_beyond {
+            text += &format!("\n{}", folded(&format!("      beyond: {reason}"), 8));
+        }
+    }
+    text
+}
+
+/// The limit in words: at least (or at most) the range's end where all held, none where the start failed.
+fn limit(found: &Found) -> String {
+    let upward = found.tried.first().zip(found.tried.last()).is_some_and(|(first, last)| first.value < last.value);
+    match (found.value, found.first_failure) {
+        (Some(value), Some(_)) => value.to_string(),
+        (Some(value), None) => format!("{} {value}", if upward { '≥' } else { '≤' }),
+        (None, _) => "none".to_owned(),
+    }
+}
+
+fn robustness(map: &RobustnessMap) -> String {
+    let mut text = "Largest impulse survived [Ns/kg]; 0° is forward, 90° up".to_owned();
+    if let Some(stride) = map.stride {
+        text += &format!("\n  stride of {:.3} s from {:.3} s on", stride.period_s, stride.start_s);
+    }
+    let mut columns: Vec<Option<f64>> = map.cells.iter().map(|cell| cell.phase).collect();
+    columns.dedup();
+    let name = |phase: &Option<f64>| phase.map_or("standing".to_owned(), |phase| format!("phase {}", shorter(phase)));
+    text += &format!("\n  {:>9}", "");
+    columns.iter().for_each(|phase| text += &format!("{:>11}", name(phase)));
+    let mut directions: Vec<f64> = map.cells.iter().map(|cell| cell.direction_deg).collect();
+    directions.sort_by(f64::total_cmp);
+    directions.dedup();
+    for direction in directions {
+        let mut line = format!("\n  {:>8}°", shorter(direction));
+        for phase in &columns {
+            let cell = map.cells.iter().find(|cell| cell.phase == *phase && cell.direction_deg == direction);
+            line += &format!("{:>11}", cell.map_or(String::new(), |cell| limit(&cell.found)));
+        }
+        text += line.trim_end();
+    }
+    text
+}
+
+/// Without digits that only computing leaves.
+fn shorter(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0
+}
+
+/// Of the columns of the table of actuators.
+const WIDTHS: [usize; 5] = [11, 11, 14, 11, 11];
+
+fn sizing(sizing: &Sizing) -> String {
+    let mut text = format!("Actuators\n{:16}", "");
+    for (what, width) in ["peak [Nm]", "RMS [Nm]", "peak [rad/s]", "peak [W]", "mean [W]"].iter().zip(WIDTHS) {
+        text += &format!("{what:>width$}");
+    }
+    let rows = |name: &str, demands: &[Demand]| {
+        let mut rows = format!("\n  {name}");
+        for d in demands {
+            rows += &format!("\n    {:<12}", d.joint.replace('_', " "));
+            let values = [d.torque_peak_nm, d.torque_rms_nm, d.speed_peak_radps, d.power_peak_w, d.power_mean_w];
+            values.iter().zip(WIDTHS).for_each(|(value, width)| rows += &format!("{value:>width$.1}"));
+        }
+        rows
+    };
+    for used in &sizing.uses {
+        text += &rows(&used.scenario, &used.joints);
+        let limited: Vec<String> = used
+            .joints
+            .iter()
+            .filter(|joint| joint.at_limit > 0.0)
+            .map(|joint| format!("{} {:.1} %", joint.joint.replace('_', " "), 100.0 * joint.at_limit))
+            .collect();
+        if !limited.is_empty() {
+            text += &format!("\n{}", folded(&format!("    at the torque limit: {}", limited.join(", ")), 6));
+        }
+        if let Some(reason) = &used.reason {
+            text += &format!("\n{}", folded(&format!("    {reason}"), 6));
+        }
+    }
+    text += &rows("largest of both", &sizing.envelope);
+    text + &rows(&format!("with a margin of {:.0} %", 100.0 * sizing.margin), &sizing.required)
+}
+
+fn map(walk: &str, pairs: &[Pair]) -> String {
+    let mut text = format!("{walk} by speed [m/s] and torque limit [Nm]\n  {:>8}", "");
+    let mut speeds: Vec<f64> = pairs.iter().map(|pair| pair.speed_mps).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    speeds.iter().for_each(|&speed| text += &format!("{:>5}", shorter(speed)));
+    let mut torques: Vec<f64> = pairs.iter().map(|pair| pair.torque_limit_nm).collect();
+    torques.sort_by(|a, b| b.total_cmp(a));
+    torques.dedup();
+    for torque in torques {
+        let mut line = format!("\n  {:>8}", shorter(torque));
+        for speed in &speeds {
+            let pair = pairs.iter().find(|pair| pair.torque_limit_nm == torque && pair.speed_mps == *speed);
+            line += &format!("{:>5}", pair.map_or("", |pair| symbol(pair.coping)));
+        }
+        text += line.trim_end();
+    }
+    text + "\n  # keeps to its reference, + keeps its speed, - another speed, . falls"
+}
+
+fn symbol(coping: Coping) -> &'static str {
+    match coping {
+        Coping::Follows => "#",
+        Coping::KeepsSpeed => "+",
+        Coping::Survives => "-",
+        Coping::Falls => ".",
+    }
+}

@@ -1,0 +1,224 @@
+//! The page of `legwork limits`: how far things can go, from where a push may come, and what the actuators deliver.
+
+use legwork::study::Ending;
+use legwork::study::limits::Answer;
+use legwork::study::sizing::{Coping, Demand, Pair, Sizing, Use};
+use maud::{Markup, html};
+
+use super::charts::axis::Quantity;
+use super::charts::cloud::{self, Cloud};
+use super::charts::heat_map::HeatMap;
+use super::charts::polar::{Curve, Polar};
+use super::charts::survival_map::{Cell, CellOutcome, SurvivalMap};
+use super::document::{Chapter, Figures, Page, Section, page as document};
+use super::tables::number;
+use crate::limits::{Report, RobustnessMap};
+
+/// The page of `report`.
+pub(crate) fn page(report: &Report) -> Page {
+    let mut figures = Figures::default();
+    let mut chapters = Vec::new();
+    chapters.extend(report.limits.as_deref().map(limits));
+    chapters.extend(report.robustness.as_ref().map(|map| robustness(map, &mut figures)));
+    chapters.extend(report.sizing.as_ref().map(|sizing| actuators(sizing, &mut figures)));
+    chapters.extend(report.map.as_deref().map(|pairs| speed_torque(pairs, &mut figures)));
+    let lead = html! {
+        p { "How far " b { (report.walk) } " and " b { (report.push) } " can be taken until the robot falls, and what its actuators must deliver." }
+        @if report.interrupted { p class="banner warning" { "The work was interrupted: some of it is missing." } }
+    };
+    document("Limits and sizing", &lead, &chapters, figures)
+}
+
+fn quantity(name: &str, unit: &str) -> Quantity {
+    Quantity { name: name.into(), unit: unit.into(), log: false }
+}
+
+fn limits(answers: &[Answer]) -> Chapter {
+    let shown = |value: Option<f64>| value.map_or("\u{2013}".to_owned(), number);
+    let body = html! {
+        div.scroll { table {
+            thead { tr { th.left { "scenario" } th.left { "question" } th { "limit" } th { "first failure" } th { "furthest that held" } th { "rollouts" } } }
+            tbody {
+                @for answer in answers {
+                    tr {
+                        th scope="row" { (answer.scenario) }
+                        td.left { (answer.question) @if !answer.unit.is_empty() { " " span.unit { "[" (answer.unit) "]" } } }
+                        td.measured { (shown(answer.found.value)) }
+                        td { (shown(answer.found.first_failure)) }
+                        td { (shown(answer.found.furthest_held)) }
+                        td.soft { (answer.found.rollouts) }
+                    }
+                }
+            }
+        } }
+        h4 { "What happens beyond" }
+        ul.note {
+            @for answer in answers {
+                @if let (Some(value), Some(reason)) = (answer.found.first_failure, &answer.found.reason_beyond) {
+                    li { (answer.scenario) ", " (answer.question) ", " (number(value)) " " (answer.unit) ": " (reason) }
+                }
+            }
+        }
+    };
+    Chapter {
+        title: "Limits".into(),
+        lead: html! { p { "A limit is the last value before the first failure; its neighbours were tried, also with the start pose a little off. Beyond it single values may still hold: the furthest of them is in the table." } },
+        sections: vec![Section { title: "Answers".into(), body }],
+    }
+}
+
+fn robustness(map: &RobustnessMap, figures: &mut Figures) -> Chapter {
+    let label = |phase: Option<f64>| phase.map_or("standing".to_owned(), |phase| format!("phase {phase:.2}"));
+    let mut phases: Vec<Option<f64>> = Vec::new();
+    let mut directions: Vec<f64> = Vec::new();
+    for cell in &map.cells {
+        if !phases.contains(&cell.phase) {
+            phases.push(cell.phase);
+        }
+        if !directions.contains(&cell.direction_deg) {
+            directions.push(cell.direction_deg);
+        }
+    }
+    let value = |phase: Option<f64>, direction: f64| {
+        let cell = map.cells.iter().find(|cell| cell.phase == phase && cell.direction_deg == direction);
+        cell.and_then(|cell| cell.found.value).unwrap_or(f64::NAN)
+    };
+    let polar = Polar {
+        radius: quantity("largest impulse", "Ns/kg"),
+        directions: ["forward", "up", "backward", "down"].map(str::to_owned),
+        curves: phases
+            .iter()
+            .map(|&phase| Curve {
+                label: label(phase),
+                points: directions.iter().map(|&direction| [direction, value(phase, direction)]).collect(),
+            })
+            .collect(),
+    };
+    let heat = HeatMap {
+        row_title: "phase of the stride".into(),
+        column_title: "direction of the push".into(),
+        rows: phases.iter().map(|&phase| label(phase)).collect(),
+        columns: directions.iter().map(|direction| format!("{direction:.0}\u{b0}")).collect(),
+        value: quantity("largest impulse", "Ns/kg"),
+        cells: phases
+            .iter()
+            .map(|&phase| directions.iter().map(|&direction| value(phase, direction)).collect())
+            .collect(),
+        centre: None,
+    };
+    let body = html! {
+        (figures.add("robustness-polar", "Largest impulse that is survived, by direction",
+            "Per kilogram of the robot, for a push at its centre of mass; a curve for each phase of the stride at which it strikes, and one for standing.",
+            |width| polar.draw(width)))
+        (figures.add("robustness-phase", "The same by direction and phase",
+            "Directions: 0\u{b0} forward, 90\u{b0} up, 180\u{b0} backward, 270\u{b0} down.", |width| heat.draw(width)))
+    };
+    let lead = html! {
+        @if let Some(stride) = map.stride {
+            p { "The stride begins with a step's trigger at " (number(stride.start_s)) " s and lasts " (number(stride.period_s)) " s, until the same foot's next." }
+        } @else {
+            p { "The robot does not walk for long enough to have a stride; it is pushed standing." }
+        }
+    };
+    Chapter {
+        title: "Robustness".into(),
+        lead,
+        sections: vec![Section { title: "Impulse by direction and phase".into(), body }],
+    }
+}
+
+fn demands(rows: &[Demand]) -> Markup {
+    html! {
+        div.scroll { table {
+            thead { tr {
+                th.left { "joint" } th { "peak torque " span.unit { "[Nm]" } } th { "RMS torque " span.unit { "[Nm]" } }
+                th { "peak speed " span.unit { "[rad/s]" } } th { "peak power " span.unit { "[W]" } } th { "mean power " span.unit { "[W]" } }
+                th { "at its torque limit" }
+            } }
+            tbody {
+                @for demand in rows {
+                    tr {
+                        th scope="row" { (demand.joint.replace('_', " ")) }
+                        td { (number(demand.torque_peak_nm)) } td { (number(demand.torque_rms_nm)) } td { (number(demand.speed_peak_radps)) }
+                        td { (number(demand.power_peak_w)) } td { (number(demand.power_mean_w)) }
+                        td { (format!("{:.1} %", 100.0 * demand.at_limit)) }
+                    }
+                }
+            }
+        } }
+    }
+}
+
+fn actuators(sizing: &Sizing, figures: &mut Figures) -> Chapter {
+    let mut sections = vec![Section {
+        title: "What the actuators must deliver".into(),
+        body: html! {
+            p { "The largest figures of all scenarios, with a margin of " (format!("{:.0} %", 100.0 * sizing.margin)) ". Where a joint is at its torque limit for a share of the time, its peak torque says nothing of the need: the limit does." }
+            (demands(&sizing.required))
+        },
+    }];
+    for used in &sizing.uses {
+        let chart = torque_speed(used);
+        let body = html! {
+            @if used.ending != Ending::Completed {
+                p class="banner bad" { strong { "The robot fell: " } (used.reason.clone().unwrap_or_default()) ". The figures are those up to the fall." }
+            }
+            (demands(&used.joints))
+            (figures.add(&format!("{}-torque-speed", used.scenario), &format!("Torque over speed, {}", used.scenario),
+                "Each tick is a point; darker where there are more. Curves of constant power, and the torque limits.",
+                |width| chart.draw(width)))
+        };
+        sections.push(Section { title: used.scenario.clone(), body });
+    }
+    Chapter { title: "Actuators".into(), lead: html! {}, sections }
+}
+
+fn torque_speed(used: &Use) -> Cloud {
+    let limit = |joint: &Demand| {
+        if joint.at_limit > 0.0 { vec![joint.torque_peak_nm, -joint.torque_peak_nm] } else { Vec::new() }
+    };
+    let largest = used.joints.iter().map(|joint| joint.power_peak_w).fold(0.0, f64::max);
+    Cloud {
+        x: quantity("speed", "rad/s"),
+        y: quantity("torque", "Nm"),
+        panels: used
+            .joints
+            .iter()
+            .zip(&used.points)
+            .map(|(joint, points)| cloud::Panel {
+                title: joint.joint.replace('_', " "),
+                points: points.clone(),
+                limits: limit(joint),
+            })
+            .collect(),
+        products: [100.0, 300.0, 1000.0, 3000.0].into_iter().filter(|power| *power < largest).collect(),
+        product: quantity("power", "W"),
+    }
+}
+
+fn speed_torque(pairs: &[Pair], figures: &mut Figures) -> Chapter {
+    let outcome = |pair: &Pair| match pair.coping {
+        Coping::Falls => CellOutcome::Fell,
+        _ => CellOutcome::Survived(pair.mean_speed_mps.unwrap_or(f64::NAN) / pair.speed_mps),
+    };
+    let map = SurvivalMap {
+        x: quantity("speed asked for", "m/s"),
+        y: quantity("torque limit", "Nm"),
+        shade: Some(quantity("speed reached, as a share", "")),
+        cells: pairs
+            .iter()
+            .map(|pair| Cell { x: pair.speed_mps, y: pair.torque_limit_nm, outcome: outcome(pair) })
+            .collect(),
+    };
+    let body = figures.add(
+        "speed-torque-map",
+        "Which speeds can be walked with which torque limit",
+        "Hatched: the robot falls. The numbers are the mean speed as a share of the one asked for: where it is far from one, the robot stays on its feet but does not walk as it should.",
+        |width| map.draw(width),
+    );
+    Chapter {
+        title: "Speed and torque".into(),
+        lead: html! {},
+        sections: vec![Section { title: "Pairs that are survived".into(), body }],
+    }
+}
