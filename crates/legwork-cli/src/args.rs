@@ -24,8 +24,8 @@ Examples:
   legwork study my-study.toml --out my-study --threads 2
   legwork study interactions --shard 1/4 --out part
 
-A study is kept in its folder while it runs: Ctrl-C loses nothing, and the same
-command goes on where it was. docs/studies.md has the format of the files.
+A study is kept in its folder while it runs: Ctrl-C loses at most the chunks under
+way, and the same command goes on. docs/studies.md has the format of the files.
 
 Exit code: 0 done (falls are results), 1 a file could not be read or written,
 2 wrong invocation or input, 130 interrupted.";
@@ -42,6 +42,19 @@ claims and questions as CSV and Parquet, and the logs of the eight main runs.
 
 Exit code: 0 done (what is not reproduced is a result), 1 a file could not be
 written, 2 wrong invocation, 130 interrupted.";
+
+const TUNE_HELP: &str = "\
+Examples:
+  legwork tune thesis --budget 100
+  legwork tune my-tuning.toml --out my-tuning --threads 2
+
+The folder holds a scenario with the tuned settings for each scenario tuned,
+history.csv, cases.csv and results.json. docs/tuning.md has the format of the
+file.
+
+Exit code: 0 done (whether or not anything better was found), 1 a file could
+not be read or written, 2 wrong invocation or input, 130 interrupted (Ctrl-C
+keeps the best so far).";
 
 const INSPECT_HELP: &str = "\
 Examples:
@@ -97,6 +110,9 @@ pub(crate) enum Command {
     /// Hold everything that the thesis reports beside what is measured: tables, sweeps, limits, claims, open questions
     #[command(after_help = REPRODUCE_HELP)]
     Reproduce(ReproduceArgs),
+    /// Find settings that better a design, and judge them in cases that the search has not seen
+    #[command(after_help = TUNE_HELP)]
+    Tune(TuneArgs),
     /// List models, scenarios, studies, and every setting with unit, default, range and source
     #[command(after_help = "Example:\n  legwork list settings")]
     List(ListArgs),
@@ -255,6 +271,26 @@ pub(crate) struct ReproduceArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
     /// Print one JSON object instead of a summary
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Options of `tune`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct TuneArgs {
+    /// A built-in tuning (thesis) or a TOML file
+    #[arg(value_name = "TUNING")]
+    pub(crate) tuning: String,
+    /// Folder for scenarios, tables and results, instead of legwork-tuning-TUNING
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Number of threads, instead of one a core
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+    /// How many candidates to try, instead of what the file says
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
+    pub(crate) budget: Option<u64>,
+    /// Print a JSON object instead of tables
     #[arg(long)]
     pub(crate) json: bool,
 }

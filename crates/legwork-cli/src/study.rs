@@ -17,6 +17,9 @@ use crate::{report, study_summary};
 /// What a rollout takes on the disk, tables and all, at most [bytes].
 const BYTES_PER_ROLLOUT: u64 = 4000;
 
+/// What the page and its figures take at most, about [bytes].
+const BYTES_OF_PAGE: u64 = 10_000_000;
+
 pub(crate) fn run(options: &StudyArgs, output: &mut Output) -> Result<ExitCode, Failure> {
     // Wrong files and unwritable places are found before anything runs.
     let shard = options.shard.as_deref().map(Shard::parse).transpose()?;
@@ -26,7 +29,7 @@ pub(crate) fn run(options: &StudyArgs, output: &mut Output) -> Result<ExitCode, 
     let mut stores = Vec::new();
     for (study, folder) in studies.iter().zip(&folders) {
         let store = Store::open(folder, study.to_toml(), study.identity(), study.len(), shard)?;
-        store.check_space(BYTES_PER_ROLLOUT)?;
+        store.check_space(BYTES_PER_ROLLOUT + BYTES_OF_PAGE.div_ceil(study.len()))?;
         stores.push(store);
     }
     listen_for_interrupt();
@@ -56,6 +59,11 @@ pub(crate) fn merge(options: &MergeArgs, output: &mut Output) -> Result<ExitCode
         return Err(Error::invalid(into.display().to_string(), problem).into());
     }
     let study = Study::parse(store.text(), &into.join("study.toml").display().to_string(), None, &[])?;
+    if (study.identity(), study.len()) != (store.identity(), store.total()) {
+        let problem =
+            "a scenario or a robot that the study names has changed since it was run; put it back, or run it anew";
+        return Err(Error::invalid(into.display().to_string(), problem).into());
+    }
     publish(&study, &store, into, options.json, output)?;
     Ok(ExitCode::SUCCESS)
 }
@@ -107,6 +115,17 @@ fn fill(study: &Study, store: &Store, folder: &Path, threads: Option<usize>) -> 
 fn publish(study: &Study, store: &Store, folder: &Path, json: bool, output: &mut Output) -> Result<(), Failure> {
     results::write_table(study, folder, store.records())?;
     let results = Results::new(study, store.records())?;
+    for (number, base) in study.bases.iter().enumerate() {
+        let endings = results.endings(number);
+        if endings.invalid + endings.failed > 0 {
+            let count = endings.invalid + endings.failed;
+            say(&format!(
+                "warning: {}: {count} of {} rollouts could not be run; the column reason says why",
+                base.name(),
+                endings.rollouts
+            ));
+        }
+    }
     let summary = study_summary::json(&results)?;
     write_text(&folder.join("results.json"), &format!("{summary:#}\n"))?;
     report::study::page(&results)?.write(folder)?;

@@ -67,13 +67,13 @@ fn sweep(results: &Results, base: usize, factor: usize) -> String {
     let means = |name: &str| !name.ends_with(".peak");
     let shown: Vec<usize> =
         (0..results.columns.len()).filter(|&i| means(&results.columns[i].name)).take(COLUMNS).collect();
-    let mut text = format!("\n  {:<24}", results.study.factors[factor].label());
+    let mut text = format!("\n  {:<24} ", results.study.factors[factor].label());
     for &metric in &shown {
         let name = results.columns[metric].name.split('.').next().unwrap_or_default();
         let _ = write!(text, "{:>11}", short(name));
     }
     for (level, row) in results.sweep(base, factor) {
-        let _ = write!(text, "\n  {:<24}", level_text(&level));
+        let _ = write!(text, "\n  {:<24} ", level_text(&level));
         if row.ending == Ending::Completed {
             shown.iter().for_each(|&metric| {
                 let _ = write!(text, "{:>11}", row.metrics[metric].map_or("none".to_owned(), digits));
@@ -130,13 +130,13 @@ fn sobol(results: &Results, base: usize) -> Result<String, Error> {
             text += ": the same in all rollouts";
             continue;
         };
-        let _ = write!(text, "\n    {:<24}{:>24}{:>24}", "", "first order", "total");
+        let _ = write!(text, "\n    {:<24} {:>26} {:>26}", "", "first order", "total");
         let mut order: Vec<usize> = (0..shares.total.len()).collect();
         order.sort_by(|&a, &b| shares.total[b].value.total_cmp(&shares.total[a].value));
         for factor in order {
             let name = &results.study.factors[factor].name;
             let (first, total) = (interval(&shares.first[factor]), interval(&shares.total[factor]));
-            let _ = write!(text, "\n    {name:<24}{first:>24}{total:>24}");
+            let _ = write!(text, "\n    {name:<24} {first:>26} {total:>26}");
         }
     }
     Ok(text)
@@ -146,12 +146,12 @@ fn sobol(results: &Results, base: usize) -> Result<String, Error> {
 fn morris(results: &Results, base: usize) -> Result<String, Error> {
     let mut text = String::new();
     for (metric, effects) in results.morris(base, &BOOTSTRAP)? {
-        let _ = write!(text, "\n  {metric}\n    {:<24}{:>28}{:>12}", "", "mean absolute effect", "deviation");
+        let _ = write!(text, "\n  {metric}\n    {:<24} {:>28} {:>12}", "", "mean absolute effect", "deviation");
         let mut order: Vec<usize> = (0..effects.len()).collect();
         order.sort_by(|&a, &b| effects[b].mu_star.value.total_cmp(&effects[a].mu_star.value));
         for factor in order {
             let (name, effect) = (&results.study.factors[factor].name, &effects[factor]);
-            let _ = write!(text, "\n    {name:<24}{:>28}{:>12}", interval(&effect.mu_star), digits(effect.sigma));
+            let _ = write!(text, "\n    {name:<24} {:>28} {:>12}", interval(&effect.mu_star), digits(effect.sigma));
         }
     }
     Ok(text)

@@ -1,4 +1,4 @@
-//! The built-in models, scenarios and studies, and the data files that a scenario may name.
+//! The built-in models, scenarios, studies and tunings, and the data files that a scenario may name.
 
 use std::path::Path;
 
@@ -24,6 +24,8 @@ const SCENARIOS: &[Entry] = &[
     ("push-baseline", include_str!("../../../scenarios/push-baseline.toml")),
     ("walk-support-baseline", include_str!("../../../scenarios/walk-support-baseline.toml")),
     ("push-support-baseline", include_str!("../../../scenarios/push-support-baseline.toml")),
+    ("walk-tuned", include_str!("../../../scenarios/walk-tuned.toml")),
+    ("push-tuned", include_str!("../../../scenarios/push-tuned.toml")),
     ("waypoints", include_str!("../../../scenarios/waypoints.toml")),
     ("walk-spring-damper", include_str!("../../../scenarios/walk-spring-damper.toml")),
 ];
@@ -46,6 +48,8 @@ const STUDIES: &[Entry] = &[
     ("sensing", include_str!("../../../studies/sensing.toml")),
     ("step-time", include_str!("../../../studies/step-time.toml")),
 ];
+
+const TUNINGS: &[Entry] = &[("thesis", include_str!("../../../tunings/thesis.toml"))];
 
 /// The names of the built-in models.
 pub fn model_names() -> impl Iterator<Item = &'static str> {
@@ -75,6 +79,16 @@ pub fn study_names() -> impl Iterator<Item = &'static str> {
 /// The file of a built-in study.
 pub fn study_text(name: &str) -> Option<&'static str> {
     text(STUDIES, name)
+}
+
+/// The names of the built-in tunings.
+pub fn tuning_names() -> impl Iterator<Item = &'static str> {
+    TUNINGS.iter().map(|(name, _)| *name)
+}
+
+/// The file of a built-in tuning.
+pub fn tuning_text(name: &str) -> Option<&'static str> {
+    text(TUNINGS, name)
 }
 
 fn text(entries: &[Entry], name: &str) -> Option<&'static str> {

@@ -58,7 +58,7 @@ fn column(run: &Run, name: &str) -> Vec<f64> {
 type Known = (&'static str, &'static [&'static str], &'static str, &'static str, &'static [&'static str]);
 
 #[rustfmt::skip]
-const KNOWN: [Known; 15] = [
+const KNOWN: [Known; 16] = [
     ("push", &["controller.limits.torque_nm=150"], "torque-limit", "left_knee", &["controller.limits.torque_nm=400"]),
     ("walk", &["controller.limits.torque_nm=120"], "torque-limit", "left_knee", &["controller.limits.torque_nm=400"]),
     ("stand", &["controller.limits.torque_nm=1"], "torque-limit", "right_knee", &["controller.limits.torque_nm=400"]),
@@ -75,6 +75,8 @@ const KNOWN: [Known; 15] = [
         &["controller.limits.torque_nm=150", "controller.tracking.momentum=cost"]),
     ("walk", &["simulation.contact.model=spring-damper", "simulation.contact.stiffness_npm=1e7"], "numerics", "",
         &["simulation.contact.model=spring-damper", "simulation.contact.stiffness_npm=1e5"]),
+    ("walk-support", &["controller.weights.momentum=200", "controller.weights.feet=14000"], "outweighed", "",
+        &["controller.weights.momentum=10", "controller.weights.feet=14000"]),
     ("walk", &["ground.slope_deg=-8", "ground.known=false"], "missed-ground", "right_foot", &["ground.slope_deg=-8"]),
 ];
 

@@ -27,6 +27,8 @@ pub(crate) struct Report {
     pub(crate) walk: String,
     /// The scenario that is pushed.
     pub(crate) push: String,
+    /// Whether it was sought quickly: in coarse steps, not confirmed as well.
+    pub(crate) quick: bool,
     /// Whether it was interrupted, so that something is missing.
     pub(crate) interrupted: bool,
     /// The limits.
@@ -143,7 +145,16 @@ impl<'a> Study<'a> {
         });
         work.finish();
         let (walk, push) = (self.walk.name().to_owned(), self.push.name().to_owned());
-        Ok(Report { walk, push, interrupted: interrupted(), limits, robustness, sizing, map })
+        Ok(Report {
+            walk,
+            push,
+            quick: self.options.quick,
+            interrupted: interrupted(),
+            limits,
+            robustness,
+            sizing,
+            map,
+        })
     }
 
     fn sizing(&self) -> Result<Sizing, Error> {

@@ -60,8 +60,11 @@ impl Figures {
     /// A figure that `draw` makes at any width [px]; its file is called after `name`.
     pub(super) fn add(&mut self, name: &str, title: &str, caption: &str, draw: impl Fn(f64) -> Drawing) -> Markup {
         let wide = draw(WIDE);
-        self.files.push((format!("{}.svg", file_name(name)), wide.standalone(title)));
-        let number = self.files.len();
+        let number = self.files.len() + 1;
+        let name = file_name(name);
+        let taken = self.files.iter().any(|(other, _)| *other == format!("{name}.svg"));
+        let file = if taken { format!("{name}-{number}.svg") } else { format!("{name}.svg") };
+        self.files.push((file, wide.standalone(title)));
         html! {
             figure {
                 (wide.inline("wide"))

@@ -18,7 +18,7 @@ use crate::limits::{Report, RobustnessMap};
 pub(crate) fn page(report: &Report) -> Page {
     let mut figures = Figures::default();
     let mut chapters = Vec::new();
-    chapters.extend(report.limits.as_deref().map(limits));
+    chapters.extend(report.limits.as_deref().map(|answers| limits(answers, report.quick)));
     chapters.extend(report.robustness.as_ref().map(|map| robustness(map, &mut figures)));
     chapters.extend(report.sizing.as_ref().map(|sizing| actuators(sizing, &mut figures)));
     chapters.extend(report.map.as_deref().map(|pairs| speed_torque(pairs, &mut figures)));
@@ -33,7 +33,7 @@ fn quantity(name: &str, unit: &str) -> Quantity {
     Quantity { name: name.into(), unit: unit.into(), log: false }
 }
 
-fn limits(answers: &[Answer]) -> Chapter {
+fn limits(answers: &[Answer], quick: bool) -> Chapter {
     let shown = |value: Option<f64>| value.map_or("\u{2013}".to_owned(), number);
     let body = html! {
         div.scroll { table {
@@ -55,14 +55,21 @@ fn limits(answers: &[Answer]) -> Chapter {
         ul.note {
             @for answer in answers {
                 @if let (Some(value), Some(reason)) = (answer.found.first_failure, &answer.found.reason_beyond) {
-                    li { (answer.scenario) ", " (answer.question) ", " (number(value)) " " (answer.unit) ": " (reason) }
+                    li { (answer.scenario) ", " (answer.question) ", " (number(value)) @if !answer.unit.is_empty() { " " (answer.unit) } ": " (reason) }
                 }
             }
         }
     };
     Chapter {
         title: "Limits".into(),
-        lead: html! { p { "A limit is the last value before the first failure; its neighbours were tried, also with the start pose a little off. Beyond it single values may still hold: the furthest of them is in the table." } },
+        lead: html! {
+            p {
+                "A limit is the last value before the first failure"
+                @if quick { ". It was sought quickly, in coarse steps and without trying the start pose a little off. " }
+                @else { "; its neighbours were tried, also with the start pose a little off. " }
+                "Beyond it single values may still hold: the furthest of them is in the table."
+            }
+        },
         sections: vec![Section { title: "Answers".into(), body }],
     }
 }

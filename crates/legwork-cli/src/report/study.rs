@@ -83,13 +83,13 @@ const FALL_NOTE: &str = "A cross marks a fall; the figures of a run that fell ar
 fn survival(results: &Results) -> Markup {
     html! {
         div.scroll { table {
-            thead { tr { th.left { "scenario" } th { "rollouts" } th { "stood" } th { "fell" } th { "could not be run" } th { "share that stood" } } }
+            thead { tr { th.left { "scenario" } th { "rollouts" } th { "stood" } th { "fell" } th { "could not be run" } th { "defects" } th { "share that stood" } } }
             tbody {
                 @for (number, base) in results.study.bases.iter().enumerate() {
                     @let e = results.endings(number);
                     tr {
                         th scope="row" { (base.name()) }
-                        td { (e.rollouts) } td { (e.completed) } td { (e.fell) } td { (e.invalid + e.failed) }
+                        td { (e.rollouts) } td { (e.completed) } td { (e.fell) } td { (e.invalid) } td { (e.failed) }
                         td { (format!("{:.1} %", 100.0 * e.completed as f64 / e.rollouts.max(1) as f64)) }
                     }
                 }
@@ -214,7 +214,7 @@ pub(super) fn sweep(results: &Results, index: usize, bases: &[usize]) -> Sweep {
         points: rows
             .iter()
             .enumerate()
-            .map(|(position, (level, row))| Point { x: place(position, level), fell: row.ending != Ending::Completed })
+            .map(|(position, (level, row))| Point { x: place(position, level), fell: row.ending == Ending::Fell })
             .collect(),
     });
     let values = |metric: usize| -> Vec<Vec<f64>> {
@@ -334,15 +334,13 @@ fn bar(estimate: &Estimate) -> Bar {
 fn morris(results: &Results, base: usize, figures: &mut Figures) -> Result<Chapter, Error> {
     let study = results.study;
     let name = study.bases[base].name();
-    let unit =
-        |metric: &str| results.columns.iter().find(|column| column.name == metric).map_or("", |column| column.unit);
     let mut sections = Vec::new();
     for (metric, effects) in results.morris(base, &BOOTSTRAP)? {
         let label = metric_label(results, &metric);
         let points = study.factors.iter().zip(&effects);
         let chart = Scatter {
-            x: quantity("mean absolute effect \u{3bc}*", unit(&metric)),
-            y: quantity("deviation \u{3c3}", unit(&metric)),
+            x: quantity("mean absolute effect \u{3bc}*", ""),
+            y: quantity("deviation \u{3c3}", ""),
             points: points
                 .map(|(factor, effect)| Labelled { label: factor.title(), at: [effect.mu_star.value, effect.sigma] })
                 .collect(),
@@ -352,7 +350,7 @@ fn morris(results: &Results, base: usize, figures: &mut Figures) -> Result<Chapt
             &format!("{name}-{metric}"),
             &format!("Elementary effects on {label}, {name}"),
             "To the right: factors that matter. Above the line: those that do so in curves or together with others. \
-             The effects are those of a factor's whole range.",
+             The effects are those of a factor's whole range on survival, or on the figure's rank from 0 to 1 (falls last).",
             |width| chart.draw(width),
         );
         sections.push(Section { title: label, body });
@@ -385,12 +383,12 @@ fn maps(results: &Results, figures: &mut Figures) -> Vec<Section> {
                     x: axis(&study.factors[0]),
                     y: axis(&study.factors[1]),
                     shade: Some(quantity(column.label.clone(), column.unit)),
-                    cells: results.of(number).iter().map(|row| cell(row, metric)).collect(),
+                    cells: results.of(number).iter().filter(|row| could_run(row)).map(|row| cell(row, metric)).collect(),
                 };
                 (figures.add(
                     &format!("{}-{}", base.name(), column.name),
                     &format!("{}: {}", base.name(), column.label),
-                    "Hatched: the robot fell. A dot: it stood, and has no such figure.",
+                    "Hatched: the robot fell. A dot: it stood, and has no such figure. Nothing: the pair cannot be run.",
                     |width| map.draw(width),
                 ))
             }
@@ -398,6 +396,10 @@ fn maps(results: &Results, figures: &mut Figures) -> Vec<Section> {
         sections.push(Section { title: base.name().to_owned(), body });
     }
     sections
+}
+
+fn could_run(row: &Row) -> bool {
+    matches!(row.ending, Ending::Completed | Ending::Fell)
 }
 
 /// Parts that a factor's range is cut into.

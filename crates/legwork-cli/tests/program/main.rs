@@ -8,10 +8,12 @@ mod limits;
 mod logs;
 mod models;
 mod outputs;
+mod reproduce;
 mod scenarios;
 mod showing;
 mod study;
 mod tables;
+mod tuning;
 
 use std::fs;
 use std::path::PathBuf;

@@ -46,6 +46,11 @@ pub enum FirstCause {
     },
     /// Hard tasks contradicted the limits.
     InfeasibleProgram,
+    /// No limit was in the way: the cost traded a task for the others, as its weights say.
+    Outweighed {
+        /// Which: `momentum`, `feet`, `torso`.
+        task: &'static str,
+    },
     /// The longest step that the reference generator makes did not reach the XcoM.
     StepTooShort,
     /// A push carried the XcoM further than legs can step.
@@ -58,7 +63,7 @@ pub enum FirstCause {
 
 impl FirstCause {
     /// Label and title of each cause, in the order of the enum: what a table of causes has as rows.
-    pub const LABELS: [(&'static str, &'static str); 11] = [
+    pub const LABELS: [(&'static str, &'static str); 12] = [
         ("torque-limit", "torque limit"),
         ("force-limit", "contact force limit"),
         ("friction", "friction"),
@@ -66,6 +71,7 @@ impl FirstCause {
         ("acceleration-limit", "joint acceleration limit"),
         ("missed-ground", "ground not where it was believed"),
         ("infeasible-program", "infeasible program"),
+        ("outweighed", "task outweighed in the cost"),
         ("step-too-short", "step too short"),
         ("push", "push too large"),
         ("numerics", "numerics"),
@@ -81,10 +87,11 @@ impl FirstCause {
             Self::AccelerationLimit { .. } => 4,
             Self::MissedGround { .. } => 5,
             Self::InfeasibleProgram => 6,
-            Self::StepTooShort => 7,
-            Self::Push => 8,
-            Self::Numerics => 9,
-            Self::Unexplained => 10,
+            Self::Outweighed { .. } => 7,
+            Self::StepTooShort => 8,
+            Self::Push => 9,
+            Self::Numerics => 10,
+            Self::Unexplained => 11,
         }
     }
 
@@ -103,7 +110,12 @@ impl FirstCause {
         match self {
             Self::TorqueLimit { joint } | Self::JointLimit { joint } | Self::AccelerationLimit { joint } => Some(joint),
             Self::ForceLimit { foot } | Self::Friction { foot } | Self::MissedGround { foot } => Some(foot),
-            Self::InfeasibleProgram | Self::StepTooShort | Self::Push | Self::Numerics | Self::Unexplained => None,
+            Self::InfeasibleProgram
+            | Self::Outweighed { .. }
+            | Self::StepTooShort
+            | Self::Push
+            | Self::Numerics
+            | Self::Unexplained => None,
         }
     }
 }
@@ -190,6 +202,13 @@ pub enum What {
         ticks: usize,
         /// Of how many.
         of: usize,
+    },
+    /// The program missed a task for the sake of the others, without a limit in the way.
+    Outweighed {
+        /// Which: `momentum`, `feet`, `torso`.
+        task: &'static str,
+        /// How many times as much as in the time before.
+        times: f64,
     },
     /// The balance of energy broke.
     EnergyFromNothing {

@@ -42,6 +42,16 @@ impl Failure {
         Self { kind, window: begin..out + 1, growth: begin..evidence.stretch(out).ticks.end }
     }
 
+    /// The task that should keep the figure in order.
+    pub(super) fn task(&self) -> Option<&'static str> {
+        match self.kind {
+            Kind::Sinking => Some("momentum"),
+            Kind::Leaning => Some("torso"),
+            Kind::Astray(_) => Some("feet"),
+            Kind::OutOfReach | Kind::Sudden => None,
+        }
+    }
+
     /// What the task misses in tick `i` that should keep the figure in order: N, rad/s² or m/s².
     pub(super) fn missed(&self, evidence: &Evidence<'_>, i: usize) -> f64 {
         match self.kind {

@@ -34,6 +34,8 @@ const YIELDED: f64 = 0.3;
 const ENERGY: f64 = 0.05;
 /// On a damped spring, a foot that should stand was off the ground for this share of the time up to the window's end.
 const BOUNCED: f64 = 0.1;
+/// Without a limit to blame, a task was given up if it was missed by this many times as much as in the time before.
+const GIVEN_UP: f64 = 2.0;
 /// The longest step that legs make, in heights of the CoM at the start: legs are about 1.05 of them long, and hips let
 /// down to 0.78 of them reach 0.7 behind and 0.7 ahead.
 const LONGEST_STEP: f64 = 1.4;
@@ -68,6 +70,16 @@ pub(super) fn impulse(push: &Push) -> f64 {
     push.force_n.abs() * push.duration_s
 }
 
+/// What the pushes together have delivered by a time [Ns]: opposite ones cancel.
+fn delivered<'p>(pushes: impl Iterator<Item = &'p Push>, time: f64) -> f64 {
+    let sum = pushes.fold([0.0; 2], |[x, z], push| {
+        let impulse = push.force_n * (time - push.start_s).clamp(0.0, push.duration_s);
+        let (sin, cos) = libm::sincos(push.direction_deg.to_radians());
+        [x + impulse * cos, z + impulse * sin]
+    });
+    libm::hypot(sum[0], sum[1])
+}
+
 /// The first cause of `failure`: the first rule that holds. Rules on the simulation come before those on the robot,
 /// and a rule that names the part which gave way before one that only describes.
 fn first_cause(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Option<(FirstCause, Event)> {
@@ -77,6 +89,7 @@ fn first_cause(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Optio
         .or_else(|| out_of_reach(evidence, failure))
         .or_else(|| yielded(evidence, failure))
         .or_else(|| saturation(evidence, failure))
+        .or_else(|| outweighed(evidence, failure))
 }
 
 /// Energy came from nothing, or feet that should stand bounced on the damped spring, before anything failed.
@@ -160,7 +173,7 @@ fn out_of_reach(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCaus
     let tick = next.map_or(after, |stretch| stretch.ticks.start.max(1) - 1);
     let (time, past, wanted) = wanted(evidence, tick);
     let short = wanted - evidence.scenario.reference.step.max_length_m;
-    let impulse = pushes().map(impulse).sum();
+    let impulse = delivered(pushes(), time.max(evidence.time(out)));
     let longest = LONGEST_STEP * evidence.scenario.start.com_height_m;
     let cause = if impulse > 0.0 && wanted > longest { FirstCause::Push } else { FirstCause::StepTooShort };
     let pushed = (cause == FirstCause::Push).then_some(impulse);
@@ -184,6 +197,19 @@ fn saturation(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause,
     let found = |ticks: &Range<usize>| Some((saturated(evidence, failure, ticks)?, ticks.clone()));
     let (limit, ticks) = times.iter().find_map(found)?;
     Some((limit.cause.clone(), told(evidence, limit, &ticks)))
+}
+
+/// The program was free, and missed the task whose figure failed for the sake of the others.
+fn outweighed(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
+    let task = failure.task()?;
+    let mean = |ticks: Range<usize>| {
+        let count = ticks.len().max(1) as f64;
+        ticks.map(|i| failure.missed(evidence, i)).sum::<f64>() / count
+    };
+    let (before, then) = (mean(0..failure.window.start), mean(failure.growth.clone()));
+    let event =
+        Event { time: evidence.time(failure.window.start), what: What::Outweighed { task, times: then / before } };
+    (before > 0.0 && then >= GIVEN_UP * before).then_some((FirstCause::Outweighed { task }, event))
 }
 
 /// The limit that accounts for most of what was missed in `ticks`.

@@ -19,7 +19,7 @@ pub(super) fn sentence(
         _ => consequence.and_then(|event| effect(scenario, event)),
     };
     let missed = match (because, consequence) {
-        (Some(Event { what: What::Saturated { .. }, .. }), Some(event)) => missed(event),
+        (Some(Event { what: What::Saturated { .. } | What::Outweighed { .. }, .. }), Some(event)) => missed(event),
         _ => String::new(),
     };
     let story = match (effect, cause) {
@@ -128,6 +128,7 @@ fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -
             };
             format!("{what} had no solution in {ticks} of {of} ticks from {:.2} s on", event.time)
         }
+        What::Outweighed { task, .. } => format!("the cost's weights put other tasks before the {task}'s"),
         What::EnergyFromNothing { joules } => {
             format!("the simulation's energy was wrong by {joules:.1e} J at {:.2} s", event.time)
         }

@@ -154,10 +154,14 @@ impl<'a> Curve<'a> {
     }
 }
 
-/// The robot falls at every level of the sweep from `low` to `high`.
+/// The robot falls at every level of the sweep from `low` to `high`, and does not with the baseline's own.
 pub fn falls_at_all(sweep: &Sweep, low: f64, high: f64) -> Check {
     let (stands, text) = endings(sweep, low, high);
-    Check::new(stands.is_empty() && sweep.between(low, high).next().is_some(), text)
+    let tried = sweep.between(low, high).next().is_some();
+    if !sweep.at_marked().rollout.survived() {
+        return Check::new(false, format!("{text}; the baseline itself falls"));
+    }
+    Check::new(tried && stands.is_empty(), text)
 }
 
 /// The robot stands at every level of the sweep from `low` to `high`.
@@ -266,10 +270,12 @@ mod tests {
 
     #[test]
     fn endings_are_those_of_the_levels_in_the_range() {
-        let sweep = sweep(&[None, Some(1.0), Some(1.0)]);
-        assert!(falls_at_all(&sweep, 0.0, 1.5).holds && !falls_at_all(&sweep, 0.0, 2.0).holds);
-        assert!(stands_at_all(&sweep, 2.0, 9.0).holds && !stands_at_all(&sweep, 1.0, 9.0).holds);
-        let finding = stands_at_all(&sweep, 0.0, 9.0).finding;
-        assert_eq!(finding, "walk: from 1 to 3 Nm (3 levels) it stands at 2 (2 to 3 Nm), falls at 1 Nm");
+        let some = sweep(&[Some(1.0), Some(1.0), None]);
+        assert!(falls_at_all(&some, 2.5, 9.0).holds && !falls_at_all(&some, 2.0, 9.0).holds);
+        assert!(!falls_at_all(&some, 4.0, 9.0).holds, "no level is in the range");
+        assert!(!falls_at_all(&sweep(&[None, None]), 2.0, 9.0).holds, "the baseline falls as well");
+        assert!(stands_at_all(&some, 0.0, 2.0).holds && !stands_at_all(&some, 0.0, 9.0).holds);
+        let finding = stands_at_all(&some, 0.0, 9.0).finding;
+        assert_eq!(finding, "walk: from 1 to 3 Nm (3 levels) it stands at 2 (1 to 2 Nm), falls at 3 Nm");
     }
 }

@@ -69,7 +69,7 @@ const SPEED: Sought = Sought {
     path: "reference.com.speed_mps",
     range: [0.5, 2.0],
     resolution: 0.025,
-    parts: 8,
+    parts: 6,
     held: Held::KeepsSpeed(SPEED_SHARE),
     factor: 1.0,
 };
@@ -84,7 +84,7 @@ const TORQUE: Sought = Sought {
     path: "controller.limits.torque_nm",
     range: [500.0, 100.0],
     resolution: 5.0,
-    parts: 8,
+    parts: 6,
     held: Held::OnItsFeet,
     ..SPEED
 };
@@ -98,7 +98,7 @@ const FORCE: Sought = Sought {
     path: "controller.limits.grf_n",
     range: [1000.0, 300.0],
     resolution: 10.0,
-    parts: 8,
+    parts: 6,
     ..TORQUE
 };
 const PUSH: Sought = Sought {
@@ -112,7 +112,7 @@ const PUSH: Sought = Sought {
     path: "pushes.0.force_n",
     range: [0.0, 1400.0],
     resolution: 10.0,
-    parts: 8,
+    parts: 6,
     factor: 0.2,
     ..FORCE
 };

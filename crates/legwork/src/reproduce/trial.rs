@@ -61,7 +61,7 @@ pub const STACKED_WEIGHTS: [f64; 3] = [1e5, 1e6, 1e7];
 pub const STACKED_GAINS: [f64; 3] = [1000.0, 2000.0, 6000.0];
 /// Momentum weights below those of the sweep, down to where the operating costs outweigh them.
 pub const LOW_MOMENTUM: [f64; 2] = [1e-4, 1e-5];
-/// Weights of forces and of joint accelerations at which the baseline falls, and below.
+/// Weights of forces and of joint accelerations: below those at which the baseline falls, and such.
 pub const HIGH_WEIGHTS: [(&str, [f64; 2]); 2] =
     [("controller.weights.grf", [1.0, 10.0]), ("controller.weights.joint_acceleration", [1e3, 1e4])];
 /// Step times that these are tried with [s].
@@ -115,11 +115,9 @@ pub fn trials() -> Vec<Trial> {
             for value in LOW_MOMENTUM {
                 add(vec![weight("controller.weights.momentum", value)]);
             }
-            for (path, values) in HIGH_WEIGHTS {
-                for value in values {
-                    add(vec![weight(path, value)]);
-                    STEP_TIMES.iter().for_each(|&duration| add(vec![weight(path, value), step_time(duration)]));
-                }
+            for (path, [_, highest]) in HIGH_WEIGHTS {
+                add(vec![weight(path, highest)]);
+                STEP_TIMES.iter().for_each(|&duration| add(vec![weight(path, highest), step_time(duration)]));
             }
         }
     }

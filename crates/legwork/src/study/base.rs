@@ -12,6 +12,9 @@ use crate::settings::{self, Setting, Valid};
 /// The paths into the robot's model begin with this; all others are settings of the scenario.
 const MODEL: &str = "model.";
 
+/// What names a scenario or the files that it was read with: these cannot be varied.
+const FIXED: [&str; 4] = ["name", "description", "model", "reference.com.file"];
+
 /// A scenario with its model and all else that a run needs.
 #[derive(Clone, Debug)]
 pub struct Variant {
@@ -76,11 +79,19 @@ impl Base {
     /// # Errors
     /// There is none; names what is near.
     pub fn value(&self, path: &str) -> Result<Value, Error> {
-        match path.strip_prefix(MODEL) {
+        let value = match path.strip_prefix(MODEL) {
             Some(rest) => at(&mut self.model_tree.clone(), rest).cloned(),
             None => settings::at(&mut settings::tree(&self.variant.scenario), path).cloned(),
+        };
+        let value = value.ok_or_else(|| self.unknown(path))?;
+        if FIXED.contains(&path) {
+            return Err(Error::invalid(path, "cannot be varied; give each of them a scenario of its own"));
         }
-        .ok_or_else(|| self.unknown(path))
+        if value.is_table() {
+            let problem = "is a table; valid is the path of one value in it";
+            return Err(Error::invalid(path, problem));
+        }
+        Ok(value)
     }
 
     /// The base with each path changed; [`Base::value`] says what paths there are.
@@ -93,6 +104,7 @@ impl Base {
         let mut model = None;
         let mut last = String::new();
         for (path, change) in changes {
+            self.value(path)?;
             let slot = match path.strip_prefix(MODEL) {
                 Some(rest) => at(model.get_or_insert_with(|| self.model_tree.clone()), rest),
                 None => settings::at(&mut scenario, path),
@@ -148,7 +160,13 @@ impl Change {
     /// The value that `old` becomes; `whole` asks for a whole number.
     fn apply(&self, old: &Value, whole: bool) -> Result<Value, String> {
         match (self, old) {
-            (Self::To(Value::Float(new)), _) if whole => Ok(Value::Integer(new.round() as i64)),
+            (Self::To(Value::Float(new)), _) if whole => {
+                if new.fract() == 0.0 && new.abs() < 1e15 {
+                    Ok(Value::Integer(*new as i64))
+                } else {
+                    Err(format!("found {new}; valid is a whole number"))
+                }
+            }
             (Self::To(new), _) => Ok(new.clone()),
             (Self::Times(_), Value::Array(list)) => {
                 list.iter().map(|element| self.apply(element, whole)).collect::<Result<_, _>>().map(Value::Array)
@@ -228,7 +246,7 @@ mod tests {
         let changes = [
             ("ground.friction", Change::To(Value::Float(0.4))),
             ("controller.weights.feet", Change::Times(2.0)),
-            ("seed", Change::To(Value::Float(7.2))),
+            ("seed", Change::To(Value::Float(7.0))),
             ("controller.form", Change::To(Value::String("slack".into()))),
             ("model.bodies.torso.mass_kg", Change::Times(1.5)),
             ("model.contacts.left_foot.position_m", Change::Times(1.01)),
@@ -269,6 +287,13 @@ mod tests {
         assert!(kind.starts_with("model.bodies.torso.mass_kg: invalid type"), "{kind}");
         let text = refusal(&[("model.name", Change::Times(2.0))]);
         assert!(text.contains("only numbers can be multiplied"), "{text}");
+        for (path, change, said) in [
+            ("model", "nope", "model: cannot be varied"),
+            ("controller.limits", "nope", "controller.limits: is a table"),
+        ] {
+            assert!(refusal(&[(path, Change::To(Value::String(change.into())))]).starts_with(said));
+        }
+        assert_eq!(refusal(&[("seed", Change::To(Value::Float(1.5)))]), "seed: found 1.5; valid is a whole number");
         assert!(walk().value("model.bodies.torso.mass").is_err());
         assert_eq!(walk().value("ground.friction").ok(), Some(Value::Float(0.85)));
     }

@@ -101,11 +101,13 @@ impl Levels {
         }
     }
 
-    /// The levels at which values leave their domain first, if they do: all of a list, the ends of a range.
+    /// The levels that show whether all are in their domain: of a list all, of a range the ends and what is between.
     pub fn extremes(&self) -> Vec<Level> {
-        match self {
-            Self::List(list) => list.clone(),
-            Self::Linear(range) | Self::Logarithmic(range) => [range.from, range.to].map(Level::Number).to_vec(),
+        match (self, self.count()) {
+            (Self::List(list), _) => list.clone(),
+            (_, Some(count)) if count <= 100 => (0..count).map(|index| self.level(index)).collect(),
+            // A place that whole numbers and multiples would miss
+            _ => [0.0, 0.371, 1.0].map(|share| self.at(share)).to_vec(),
         }
     }
 
@@ -156,9 +158,21 @@ impl Factor {
 
     /// The unit of its levels.
     pub fn unit(&self) -> &'static str {
+        /// Units of the model's keys, by their endings.
+        const ENDINGS: [(&str, &str); 8] = [
+            ("_kgm2", "kg m²"),
+            ("_mps2", "m/s²"),
+            ("_radps", "rad/s"),
+            ("_nmspr", "Nms/rad"),
+            ("_nm", "Nm"),
+            ("_kg", "kg"),
+            ("_rad", "rad"),
+            ("_m", "m"),
+        ];
         match Setting::find(&self.paths[0]) {
-            Some(setting) if !self.relative => setting.unit,
-            _ => "",
+            _ if self.relative => "",
+            Some(setting) => setting.unit,
+            None => ENDINGS.iter().find(|(ending, _)| self.paths[0].ends_with(ending)).map_or("", |(_, unit)| unit),
         }
     }
 

@@ -58,6 +58,18 @@ pub(super) struct FactorEntry {
     pub(super) mark: Option<String>,
 }
 
+/// Columns of the table of rollouts.
+const RESERVED: [&str; 9] =
+    ["rollout", "scenario", "ending", "cause", "reason", "input_hash", "result_hash", "survived", "fell_at_s"];
+
+/// Whether two paths are the same or one leads into what the other holds.
+fn touches(a: &str, b: &str) -> bool {
+    let holds = |outer: &str, inner: &str| {
+        inner.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    };
+    holds(a, b) || holds(b, a)
+}
+
 /// A text with its file's name, to say where something stands.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
@@ -152,6 +164,22 @@ impl StudyFile {
         for (index, entry) in self.factors.iter().enumerate() {
             let wrong = |problem: String| source.error(entry.span().start, &format!("factors.{index}"), problem);
             let factor = entry.get_ref().factor(sampled).map_err(wrong)?;
+            if RESERVED.contains(&factor.name.as_str()) || factor.name.contains('.') && entry.get_ref().name.is_some() {
+                let problem = format!(
+                    "name: \"{}\" is that of a column of the table, or looks like it; give another",
+                    factor.name
+                );
+                return Err(wrong(problem));
+            }
+            let mut paths = factors.iter().flat_map(|other| &other.paths).chain(&factor.paths);
+            let twice = |path: &&String| {
+                factor.paths.iter().filter(|own| touches(own, path)).count() > usize::from(factor.paths.contains(path))
+            };
+            if let Some(path) = paths.find(twice) {
+                return Err(wrong(format!(
+                    "{path} is changed twice, here and by another path; each value has one factor"
+                )));
+            }
             if factors.iter().any(|other| other.name == factor.name) {
                 return Err(wrong(format!("another factor is called \"{}\" as well", factor.name)));
             }
@@ -182,6 +210,9 @@ impl FactorEntry {
             let twice = (1..list.len()).find(|&i| list[..i].contains(&list[i]));
             if let Some(twice) = twice {
                 return Err(format!("list: {} is in it twice", list[twice]));
+            }
+            if self.relative && list.iter().any(|level| level.number().is_none()) {
+                return Err("list: only numbers can multiply; leave relative out".into());
             }
             if list.is_empty() || (sampled && list.len() < 2) {
                 return Err(format!(

@@ -1,8 +1,8 @@
 //! Studies: many rollouts by a plan, and what they say together.
 //!
 //! A study is data (`studies/*.toml`): scenarios, factors with their levels, a design. [`Study`] numbers its rollouts;
-//! [`store`] keeps them in chunks, [`parallel`] makes them on all cores, [`table`] writes them, and [`sweep`],
-//! [`sensitivity`], [`limits`], [`tune`] say what they mean.
+//! [`store`] keeps them in chunks, [`parallel`] makes them on all cores, [`table`] writes them, and [`results`]
+//! and [`sensitivity`] say what they mean. [`limits`], [`robustness`], [`sizing`] and [`tune`] ask questions of their own.
 
 mod base;
 pub mod cma_es;
@@ -20,6 +20,7 @@ pub mod sizing;
 mod sobol_sequence;
 pub mod store;
 pub mod table;
+pub mod tune;
 
 use std::path::{Path, PathBuf};
 
@@ -314,7 +315,11 @@ fn load_bases(
 fn check_levels(factor: &Factor, bases: &[Base]) -> Result<(), String> {
     for base in bases {
         for path in &factor.paths {
-            base.value(path).map_err(|error| error.to_string())?;
+            let value = base.value(path).map_err(|error| error.to_string())?;
+            let zero = value.as_float() == Some(0.0) || value.as_integer() == Some(0);
+            if factor.relative && zero {
+                return Err(format!("{path} is 0 in {}, which no level can multiply; leave relative out", base.name()));
+            }
         }
         for level in factor.levels.extremes() {
             let change = factor.change(&level);

@@ -148,9 +148,8 @@ impl<'a> Results<'a> {
         std::iter::once(survived).chain(ranked).map(of).collect()
     }
 
-    /// Elementary effects of each factor on survival and on each metric, in its unit; none of another design than Morris's.
-    ///
-    /// A fall counts as bad as the worst run of the scenario that did not fall.
+    /// Elementary effects of each factor on survival and on the rank of each metric, as in [`Results::sobol`]; none of
+    /// another design than Morris's.
     ///
     /// # Errors
     /// Fewer than two trajectories can be used.
@@ -158,35 +157,47 @@ impl<'a> Results<'a> {
         let Design::Morris { .. } = self.study.design else { return Ok(Vec::new()) };
         let points = self.study.unit_points().expect("the design is a sampled one");
         let survived = (SURVIVED.to_owned(), self.survival(base));
-        let worst = |values: &[Option<f64>]| values.iter().copied().flatten().fold(f64::MIN, f64::max);
-        let filled = |values: Vec<Option<f64>>| values.iter().map(|value| value.unwrap_or(worst(&values))).collect();
-        let metrics = self.whole_runs(base).map(|(metric, values)| (metric, filled(values)));
+        let metrics = self.whole_runs(base).map(|(metric, values)| (metric, ranks(&values)));
         let of = |(metric, outputs): (String, Vec<f64>)| Ok((metric, morris(&points, &outputs, bootstrap)?));
         std::iter::once(survived).chain(metrics).map(of).collect()
     }
 
-    /// 1 for each rollout of a scenario that was on its feet to the end, else 0.
+    /// 1 for each rollout of a scenario that was on its feet to the end, 0 for falls, missing where it could not be run.
     fn survival(&self, base: usize) -> Vec<f64> {
-        self.of(base).iter().map(|row| f64::from(u8::from(row.ending == Ending::Completed))).collect()
+        let value = |row: &Row| match row.ending {
+            Ending::Completed => 1.0,
+            Ending::Fell => 0.0,
+            Ending::Invalid | Ending::Failed => f64::NAN,
+        };
+        self.of(base).iter().map(value).collect()
     }
 
-    /// Each metric of all rollouts of a scenario, none for those that fell; without the metrics that no run of it has.
+    /// Each metric of all rollouts of a scenario, none for those that fell, missing where it could not be run; without the metrics that no run of it has.
     fn whole_runs(&self, base: usize) -> impl Iterator<Item = (String, Vec<Option<f64>>)> + '_ {
-        let whole = |row: &Row, metric: usize| row.metrics[metric].filter(|_| row.ending == Ending::Completed);
+        let whole = |row: &Row, metric: usize| match row.ending {
+            Ending::Completed => row.metrics[metric],
+            Ending::Fell => None,
+            Ending::Invalid | Ending::Failed => Some(f64::NAN),
+        };
         let values = move |metric: usize| self.of(base).iter().map(|row| whole(row, metric)).collect::<Vec<_>>();
         let named = move |(metric, name): (usize, &String)| (name.clone(), values(metric));
-        self.study.metrics.iter().enumerate().map(named).filter(|(_, values)| values.iter().any(Option::is_some))
+        self.study
+            .metrics
+            .iter()
+            .enumerate()
+            .map(named)
+            .filter(|(_, values)| values.iter().flatten().any(|value| !value.is_nan()))
     }
 }
 
 /// The rank of each value, from 0 for the least to 1 for the largest; equal values share the mean of their ranks, and those
-/// that are missing come last together.
+/// that are none come last together. What is not a number has no rank and remains.
 fn ranks(values: &[Option<f64>]) -> Vec<f64> {
     let key = |index: usize| values[index].unwrap_or(f64::INFINITY);
-    let mut order: Vec<usize> = (0..values.len()).collect();
+    let mut order: Vec<usize> = (0..values.len()).filter(|&index| !key(index).is_nan()).collect();
     order.sort_by(|&a, &b| key(a).total_cmp(&key(b)));
-    let last = values.len().saturating_sub(1).max(1) as f64;
-    let mut ranks = vec![0.0; values.len()];
+    let last = order.len().saturating_sub(1).max(1) as f64;
+    let mut ranks = vec![f64::NAN; values.len()];
     for equal in order.chunk_by(|&a, &b| key(a) == key(b)) {
         let first = order.partition_point(|&index| key(index) < key(equal[0]));
         let mean = first as f64 + 0.5 * (equal.len() - 1) as f64;
@@ -248,5 +259,7 @@ mod tests {
         assert_eq!(ranks(&[Some(2.0), Some(2.0), Some(2.0)]), [0.5; 3]);
         assert_eq!(ranks(&[Some(-1e300), Some(0.0), Some(1e-300)]), [0.0, 0.5, 1.0]);
         assert_eq!((ranks(&[]), ranks(&[None])), (vec![], vec![0.0]));
+        let with_hole = ranks(&[Some(3.0), Some(f64::NAN), Some(1.0)]);
+        assert!(with_hole[0] == 1.0 && with_hole[1].is_nan() && with_hole[2] == 0.0);
     }
 }

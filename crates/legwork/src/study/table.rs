@@ -86,7 +86,8 @@ impl TableWriter {
     /// The files cannot be written.
     pub fn create(folder: &Path, name: &str, columns: Vec<Column>, metadata: &[(&str, String)]) -> Result<Self, Error> {
         let paths = ["csv", "parquet"].map(|ending| folder.join(format!("{name}.{ending}")));
-        let open = |path: &Path| File::create(path).map(BufWriter::new).map_err(|error| Error::io(path, &error));
+        let open =
+            |path: &Path| File::create(partial(path)).map(BufWriter::new).map_err(|error| Error::io(path, &error));
         let mut csv = csv::Writer::from_writer(open(&paths[0])?);
         let head = columns.iter().map(|column| match column.unit.as_str() {
             "" => column.name.clone(),
@@ -133,8 +134,18 @@ impl TableWriter {
         }
         let path = &self.paths[1];
         let mut file = self.parquet.into_inner().map_err(|error| failed(path, error))?;
-        file.flush().map_err(|error| Error::io(path, &error))
+        file.flush().map_err(|error| Error::io(path, &error))?;
+        // What was there before is replaced only now, by what is whole.
+        self.paths
+            .iter()
+            .try_for_each(|path| std::fs::rename(partial(path), path).map_err(|error| Error::io(path, &error)))
     }
+}
+
+/// The name of a file that is being written.
+fn partial(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!(".{name}.partial"))
 }
 
 fn failed(path: &Path, error: impl ToString) -> Error {

@@ -168,6 +168,7 @@ const REASONS: &[(&str, Option<Reading>, &str)] = &[
         "Above a feet weight of about 1e6 the feet's accelerations are met wherever that is possible, so that a \
          higher weight changes nothing (sweep feet-weight), and the gain alone decides.",
     ),
+    ("7.1.2-a", DISPLACEMENT, FALLS),
     (
         "7.1.3-a",
         None,
@@ -224,6 +225,7 @@ const REASONS: &[(&str, Option<Reading>, &str)] = &[
     ("7.4-a", DISPLACEMENT, FALLS),
     ("7.4-a", SUPPORT, "As 6.3.5-e: with this reading's step time hard feet are always feasible."),
     ("8.1.2-a", DISPLACEMENT, FALLS),
+    ("8.1.2-b", DISPLACEMENT, FALLS),
 ];
 
 /// The reason for a claim in a reading.

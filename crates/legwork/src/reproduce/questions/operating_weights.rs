@@ -43,7 +43,8 @@ pub(super) fn question(evidence: &Evidence, replays: &[Replay]) -> Question {
     }
     let mut closed = Vec::new();
     for case in cases() {
-        for own in [Vec::new()].into_iter().chain(raised_weights().map(|set| vec![set])) {
+        let highest = HIGH_WEIGHTS.map(|(path, [_, highest])| vec![weight(path, highest)]);
+        for own in [Vec::new()].into_iter().chain(highest) {
             let with = |duration| [own.clone(), vec![step_time(duration)]].concat();
             let name = own.first().map_or("baseline".to_owned(), |set| named(set));
             let mut row = vec![Entry::from(case.scenario()), name.into(), ending(evidence.trial(case, &own)).into()];

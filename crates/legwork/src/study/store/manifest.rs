@@ -16,7 +16,7 @@ const FORMAT: u32 = 1;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Manifest {
     pub(super) text: String,
-    identity: u128,
+    pub(super) identity: u128,
     pub(super) total: u64,
     /// Of all the above.
     pub(super) hash: u128,

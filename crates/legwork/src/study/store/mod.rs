@@ -114,7 +114,12 @@ impl Store {
         &self.manifest.text
     }
 
-    /// The hash that identifies the study.
+    /// The hash of what identifies the study beside its text.
+    pub fn identity(&self) -> u128 {
+        self.manifest.identity
+    }
+
+    /// Hash of text, number of records and identity.
     pub fn hash(&self) -> u128 {
         self.manifest.hash
     }
