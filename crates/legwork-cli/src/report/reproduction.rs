@@ -378,7 +378,7 @@ fn claim_in_full(claim: &Claim) -> Markup {
     html! {
         section id={ "claim-" (claim.id) } {
             h4 { (claim.id) " \u{b7} " (claim.says) }
-            p.note { "Test: " (claim.test) ". Data: " code { (claim.source.file) ".csv" } ", " (claim.source.rows) ", " (claim.source.columns.join(", ")) "." }
+            p.note { "Test: " (claim.test) ". Data: " code { (claim.source.file) @if claim.source.file == "logs" { "/*.parquet" } @else { ".csv" } } ", " (claim.source.rows) ", " (claim.source.columns.join(", ")) "." }
             @for finding in &claim.findings {
                 p { (badge(finding.verdict)) " " b { (name(finding.reading)) } }
                 ul {

@@ -49,7 +49,7 @@ fn words_that_are_no_command() {
         (&["run"], "<SCENARIO>"),
         (&["run", "walk", "--lgo", "x.csv"], "unexpected argument '--lgo'"),
         (&["inspect", "planar_humanoid", "--base", "flying"], "fixed, planar, floating"),
-        (&["list", "robots"], "models, scenarios, settings"),
+        (&["list", "robots"], "models, scenarios, studies, settings"),
     ] {
         let done = folder.legwork(arguments);
         assert_eq!((done.code, done.out.as_str()), (2, ""), "{arguments:?}");

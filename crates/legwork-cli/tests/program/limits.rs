@@ -33,7 +33,7 @@ fn the_same_answers_on_any_number_of_threads_with_every_key() {
         .map(|threads| folder.legwork(&limits(&["--json", "--only", "limits", "--threads", threads])).succeeds());
     assert_eq!((&one.out, one.err.as_str()), (&two.out, ""));
     let report: Value = serde_json::from_str(&one.out).expect("JSON");
-    assert_eq!(keys(&report), ["walk", "push", "interrupted", "limits", "robustness", "sizing", "map"]);
+    assert_eq!(keys(&report), ["walk", "push", "quick", "interrupted", "limits", "robustness", "sizing", "map"]);
     assert_eq!(
         (&report["interrupted"], &report["sizing"], &report["map"]),
         (&false.into(), &Value::Null, &Value::Null)

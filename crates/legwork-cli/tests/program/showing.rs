@@ -32,7 +32,7 @@ fn everything_is_listed() {
     let folder = Folder::new("list");
     let all = folder.json(&["list", "--json"]).remove(0);
     let keys: Vec<_> = all.as_object().unwrap().keys().map(String::as_str).collect();
-    assert_eq!(keys, ["models", "scenarios", "settings"]);
+    assert_eq!(keys, ["models", "scenarios", "studies", "settings"]);
     assert_eq!(names(&all["models"]), ["planar_humanoid"]);
     for name in ["walk", "push", "stand", "walk-slope", "push-replan"] {
         assert!(names(&all["scenarios"]).contains(&name), "{name}");
@@ -46,7 +46,7 @@ fn everything_is_listed() {
     }
     let torque = settings.iter().find(|setting| setting["path"] == "controller.limits.torque_nm").unwrap();
     assert_eq!((&torque["default"], &torque["unit"]), (&220.0.into(), &"Nm".into()));
-    for part in ["models", "scenarios", "settings"] {
+    for part in ["models", "scenarios", "studies", "settings"] {
         let alone = folder.json(&["list", part, "--json"]).remove(0);
         assert_eq!(alone.as_object().unwrap().len(), 1);
         assert_eq!(alone[part], all[part]);

@@ -2,7 +2,7 @@
 //!
 //! The equations are those of N. Hansen, "The CMA Evolution Strategy: A Tutorial", arXiv:1604.00772v2, Appendix A (the
 //! algorithm and Table 1) and B (stop criteria), with the active update (negative weights). The search itself has no
-//! bounds. Each coordinate is folded into the cube before it is evaluated, see [`fold`]; the distribution is updated with
+//! bounds. Each coordinate is folded into the cube before it is evaluated, see `fold`; the distribution is updated with
 //! the unfolded points, as it must be for its paths and its covariance to describe the points that were drawn.
 
 use std::collections::VecDeque;

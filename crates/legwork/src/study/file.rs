@@ -164,6 +164,9 @@ impl StudyFile {
         for (index, entry) in self.factors.iter().enumerate() {
             let wrong = |problem: String| source.error(entry.span().start, &format!("factors.{index}"), problem);
             let factor = entry.get_ref().factor(sampled).map_err(wrong)?;
+            if factors.iter().any(|other| other.name == factor.name) {
+                return Err(wrong(format!("another factor is called \"{}\" as well", factor.name)));
+            }
             if RESERVED.contains(&factor.name.as_str()) || factor.name.contains('.') && entry.get_ref().name.is_some() {
                 let problem = format!(
                     "name: \"{}\" is that of a column of the table, or looks like it; give another",
@@ -179,9 +182,6 @@ impl StudyFile {
                 return Err(wrong(format!(
                     "{path} is changed twice, here and by another path; each value has one factor"
                 )));
-            }
-            if factors.iter().any(|other| other.name == factor.name) {
-                return Err(wrong(format!("another factor is called \"{}\" as well", factor.name)));
             }
             factors.push(factor);
         }
