@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Commands that are not run here, with the reason.
-const ELSEWHERE: [(&str, &str); 5] = [
+const ELSEWHERE: [(&str, &str); 7] = [
+    ("legwork reproduce", "run as a whole by tests/program/reproduce.rs"),
+    ("legwork study screening", "half a minute; its file is read by another test"),
     ("legwork study interactions", "takes minutes; its file is read by another test, its design run small by others"),
     ("cargo run --release", "the program itself; without arguments it is run as `legwork`"),
     ("cargo install --path crates/legwork-cli", "builds what this test has built"),
@@ -45,7 +47,7 @@ fn commands(text: &str) -> Vec<String> {
 }
 
 fn is_command(text: &str) -> bool {
-    let known = ["run ", "list", "show ", "inspect ", "study ", "limits", "reproduce", "tune "]
+    let known = ["run ", "list", "show ", "inspect ", "study ", "limits --", "tune "]
         .iter()
         .any(|name| text.starts_with(&format!("legwork {name}")));
     // Names in capitals and dots stand for something.
