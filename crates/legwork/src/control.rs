@@ -5,15 +5,15 @@
 //! the order of [`Fallback`], and says so.
 
 use legwork_qp::{Constraint, Problem, Solver, Status};
-use legwork_rbd::{Dynamics, Model};
-use nalgebra::Vector3;
+use legwork_rbd::{Base, Dynamics, Model};
 
 use crate::contact::GroundPlane;
 use crate::error::Error;
+use crate::feet::FeetMotion;
 use crate::planner::MotionReferencePlanner;
 use crate::qp::{self, Inputs, Layout, Relaxation, Solution, bounds, layout};
-use crate::reference::{ComTrajectory, Observation, Reference, ReferenceGenerator, StepMachine};
-use crate::scenario::{ControllerSettings, Scenario, Tracking};
+use crate::reference::{ComTrajectory, Observation, Reference, ReferenceGenerator};
+use crate::scenario::{ControllerSettings, Generator, Scenario, Tracking};
 
 /// What the controller is told of the robot.
 #[derive(Clone, Debug)]
@@ -88,7 +88,7 @@ pub struct Controller {
     settings: ControllerSettings,
     model: Model,
     ground: GroundPlane,
-    dynamics: Dynamics,
+    feet: FeetMotion,
     generator: ReferenceGenerator,
     planner: MotionReferencePlanner,
     layout: Layout,
@@ -104,7 +104,7 @@ impl Controller {
     /// # Errors
     /// The model is not one that this controller can drive, or the CoM trajectory is not valid.
     pub fn new(scenario: &Scenario, model: &Model, samples: &[[f64; 3]], start: &Estimate) -> Result<Self, Error> {
-        check_model(model)?;
+        check_model(model, scenario.reference.generator)?;
         let settings = scenario.controller.clone();
         let (friction, slope_deg) = if scenario.ground.known {
             (scenario.ground.friction, scenario.ground.slope_deg)
@@ -114,6 +114,8 @@ impl Controller {
         let ground = GroundPlane::new(model, friction, slope_deg.to_radians());
         let mut dynamics = Dynamics::new(model);
         dynamics.update(model, &start.q, &start.v);
+        let mut feet = FeetMotion::new(model);
+        feet.update(model, &dynamics);
         let com = ComTrajectory::new(&scenario.reference.com, samples, dynamics.com, &ground)?;
         let generator = ReferenceGenerator::new(
             &scenario.reference,
@@ -122,9 +124,9 @@ impl Controller {
             scenario.ground.known,
             model.gravity,
             settings.planner.torso_angle_deg.to_radians(),
-            &observe(&dynamics, start),
+            &observe(&dynamics, &feet, start),
         );
-        let layout = Layout::new(settings.form, model, &ground);
+        let layout = Layout::new(settings.form, &settings.tracking, model, &ground);
         Ok(Self {
             planner: MotionReferencePlanner::new(&settings.planner, model),
             problem: Problem::new(layout.variables(), layout.rows()),
@@ -136,37 +138,54 @@ impl Controller {
                 fallback: Fallback::None,
                 iterations: 0,
                 solves: 0,
-                solution: Solution::new(&layout),
+                solution: Solution::new(&layout, model),
                 active: vec![0; layout.limits().len()],
                 braking: vec![0.0; layout.actuated.len()],
             },
             settings,
             model: model.clone(),
             ground,
-            dynamics,
+            feet,
             generator,
             layout,
         })
     }
 
-    /// One control tick: torques for `estimate`. Allocates nothing.
-    pub fn tick(&mut self, estimate: &Estimate) -> &Tick {
-        let Self { settings, model, dynamics, .. } = self;
-        dynamics.update(model, &estimate.q, &estimate.v);
-        let reference = self.generator.update(&observe(dynamics, estimate));
-        let goal = self.planner.plan(model, dynamics, &estimate.v, reference);
+    /// One control tick: torques for `estimate`, whose dynamics are in `dynamics`. Allocates nothing.
+    pub fn tick(&mut self, estimate: &Estimate, dynamics: &Dynamics) -> &Tick {
+        self.refer(estimate, dynamics);
+        self.plan(estimate, dynamics);
+        self.solve(estimate, dynamics);
+        self.name_limits();
+        &self.tick
+    }
 
-        let swinging = self.generator.steps().swing_foot();
-        for (contact, point) in model.contacts.iter().enumerate() {
+    /// First stage: the reference, and which contacts may carry force.
+    pub fn refer(&mut self, estimate: &Estimate, dynamics: &Dynamics) {
+        self.feet.update(&self.model, dynamics);
+        self.generator.update(&observe(dynamics, &self.feet, estimate));
+        let swinging = self.generator.swing().map(|(foot, _)| foot);
+        for (contact, point) in self.model.contacts.iter().enumerate() {
             // The distance rule (4.10) alone lets the swing foot push until it has left the ground.
             self.stance[contact] = estimate.touching[contact] && Some(point.foot) != swinging;
         }
+    }
+
+    /// Second stage: the goals.
+    pub fn plan(&mut self, estimate: &Estimate, dynamics: &Dynamics) {
+        self.planner.plan(&self.model, dynamics, &self.feet, &estimate.v, self.generator.reference());
+    }
+
+    /// Third stage: the program is built, solved and read, with the fallbacks where it has no solution as it stands.
+    pub fn solve(&mut self, estimate: &Estimate, dynamics: &Dynamics) {
+        let settings = &self.settings;
         let mut inputs = Inputs {
-            model,
+            model: &self.model,
             dynamics,
+            feet: &self.feet,
             q: &estimate.q,
             v: &estimate.v,
-            goal,
+            goal: self.planner.goal(),
             stance: &self.stance,
             ground: &self.ground,
             weights: &settings.weights,
@@ -174,7 +193,6 @@ impl Controller {
             tracking: &settings.tracking,
             relaxed: Relaxation::default(),
         };
-
         let tick = &mut self.tick;
         tick.conflict.clear();
         tick.iterations = 0;
@@ -214,18 +232,22 @@ impl Controller {
                 break;
             }
         }
+    }
 
+    /// Last stage: which limits are active.
+    fn name_limits(&mut self) {
+        let tick = &mut self.tick;
         tick.active.fill(0);
-        if tick.fallback != Fallback::HoldTorque {
-            for active in self.solver.working_set() {
-                let Some(index) = self.layout.limit(active.constraint) else { continue };
-                // Without contact the force is zero, which is no limit that is met.
-                if self.layout.limits()[index].contact.is_none_or(|contact| inputs.stance[contact]) {
-                    tick.active[index] = layout::side_sign(active.side);
-                }
+        if tick.fallback == Fallback::HoldTorque {
+            return;
+        }
+        for active in self.solver.working_set() {
+            let Some(index) = self.layout.limit(active.constraint) else { continue };
+            // Without contact the force is zero, which is no limit that is met.
+            if self.layout.limits()[index].contact.is_none_or(|contact| self.stance[contact]) {
+                tick.active[index] = layout::side_sign(active.side);
             }
         }
-        tick
     }
 
     /// The report of the latest tick.
@@ -238,14 +260,24 @@ impl Controller {
         self.generator.reference()
     }
 
-    /// The step state machine.
-    pub fn steps(&self) -> &StepMachine {
-        self.generator.steps()
+    /// The foot that swings (0 right, 1 left) and since when [s], if one does.
+    pub fn swing(&self) -> Option<(usize, f64)> {
+        self.generator.swing()
     }
 
-    /// The dynamics in the estimated state of the latest tick.
-    pub fn dynamics(&self) -> &Dynamics {
-        &self.dynamics
+    /// The extrapolated centre of mass along x, as of the latest tick [m].
+    pub fn xcom(&self) -> f64 {
+        self.generator.xcom()
+    }
+
+    /// The feet, as of the latest tick.
+    pub fn feet(&self) -> &FeetMotion {
+        &self.feet
+    }
+
+    /// The program of the latest tick, as the solver got it last.
+    pub fn problem(&self) -> &Problem {
+        &self.problem
     }
 
     /// The motion reference planner with its latest goals.
@@ -264,35 +296,43 @@ impl Controller {
     }
 }
 
-/// What the reference generator sees: each foot by its contact point.
-fn observe(dynamics: &Dynamics, estimate: &Estimate) -> Observation {
-    let foot = |index: usize| -> Vector3<f64> { dynamics.contact_positions[index] };
+/// What the reference generator sees; a foot touches the ground if one of its contact points does.
+fn observe(dynamics: &Dynamics, feet: &FeetMotion, estimate: &Estimate) -> Observation {
     Observation {
         time: estimate.time,
         com: dynamics.com,
         com_velocity: dynamics.com_velocity,
-        feet: [foot(0), foot(1)],
-        touching: [estimate.touching[0], estimate.touching[1]],
+        feet: [0, 1].map(|foot| feet.position[foot]),
+        touching: [0, 1].map(|foot| feet.contacts(foot).iter().any(|&contact| estimate.touching[contact])),
     }
 }
 
-/// The thesis's controller drives planar robots with two point feet.
-pub(crate) fn check_model(model: &Model) -> Result<(), Error> {
-    let contacts: Vec<usize> = model.contacts.iter().map(|contact| contact.foot).collect();
-    if model.is_planar() && contacts == [0, 1] {
+/// Two feet, right before left; the thesis's steps want a planar robot with point feet.
+pub(crate) fn check_model(model: &Model, generator: Generator) -> Result<(), Error> {
+    let points = |foot: usize| model.contacts.iter().filter(|contact| contact.foot == foot).count();
+    let two_feet = model.feet.len() == 2 && points(0) > 0 && points(1) > 0;
+    let one_body_each =
+        model.contacts.iter().all(|a| model.contacts.iter().all(|b| a.foot != b.foot || a.body == b.body));
+    let (valid, needs) = match generator {
+        Generator::Steps => (
+            model.is_planar() && two_feet && model.contacts.len() == 2,
+            "the generator \"steps\" needs a planar base and two feet with one contact point each, right before left",
+        ),
+        Generator::Stance => (
+            model.base != Base::Fixed && two_feet && one_body_each,
+            "the generator \"stance\" needs a planar or floating base and two feet, right before left, each with its \
+             contact points on one body",
+        ),
+    };
+    if valid {
         return Ok(());
     }
     let found = format!(
         "the model '{}' has base {} and {} contact points on {} feet",
         model.name,
         format!("{:?}", model.base).to_lowercase(),
-        contacts.len(),
+        model.contacts.len(),
         model.feet.len()
     );
-    Err(Error::invalid(
-        "model",
-        format!(
-            "{found}; this controller needs a planar base and two feet with one contact point each, right before left"
-        ),
-    ))
+    Err(Error::invalid("model", format!("{found}; {needs}")))
 }

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use legwork_qp::{Constraint, Status};
-use legwork_rbd::Model;
+use legwork_rbd::{Dynamics, Model};
 
 use crate::contact::GroundPlane;
 use crate::control::{Controller, Estimate, check_model};
@@ -12,7 +12,6 @@ use crate::error::Error;
 use crate::log::{Field, Log};
 use crate::metrics::{self, Metrics};
 use crate::qp::Layout;
-use crate::reference::Phase;
 use crate::scenario::Scenario;
 use crate::sim::Simulator;
 use crate::sim::audit::Audit;
@@ -50,7 +49,8 @@ pub struct ProgramCounts {
 /// How long things took; not part of the result's hash.
 #[derive(Clone, Debug, Default)]
 pub struct Timing {
-    /// Duration of each control tick [s].
+    /// Duration of each control tick [s]; without the dynamics of the state where the sensors are ideal, as the simulator
+    /// has them already.
     pub ticks_s: Vec<f64>,
     /// Of the whole run [s].
     pub wall_s: f64,
@@ -107,6 +107,8 @@ pub struct Episode {
     sensors: Sensors,
     truth: Estimate,
     estimate: Estimate,
+    /// Dynamics of the estimate, where that is not the true state.
+    estimated: Option<Dynamics>,
     log: Log,
     input_hash: u128,
     steps_per_tick: u64,
@@ -128,7 +130,7 @@ impl Episode {
     /// The start pose cannot be taken, a push names an unknown body, the CoM trajectory is not valid, or the model is
     /// none that the controller can drive.
     pub fn new(scenario: &Scenario, model: &Model, samples: &[[f64; 3]]) -> Result<Self, Error> {
-        check_model(model)?;
+        check_model(model, scenario.reference.generator)?;
         let ground = GroundPlane::of(&scenario.ground, model);
         let q = start_pose(scenario, model, &ground)?;
         let simulator = Simulator::new(scenario, model, q.as_slice())?;
@@ -151,6 +153,7 @@ impl Episode {
             iterations: 0,
             tick_times: Vec::with_capacity(ticks as usize),
             estimate: truth.clone(),
+            estimated: (!scenario.simulation.sensors.are_ideal()).then(|| Dynamics::new(model)),
             truth,
             scenario: scenario.clone(),
             model: model.clone(),
@@ -166,7 +169,16 @@ impl Episode {
         }
         self.sense();
         let begin = Instant::now();
-        self.controller.tick(&self.estimate);
+        match &mut self.estimated {
+            Some(dynamics) => {
+                dynamics.update(&self.model, &self.estimate.q, &self.estimate.v);
+                self.controller.tick(&self.estimate, dynamics);
+            }
+            // The simulator has just computed them for the same state.
+            None => {
+                self.controller.tick(&self.estimate, self.simulator.dynamics());
+            }
+        }
         self.tick_times.push(begin.elapsed().as_secs_f64());
         self.record();
 
@@ -205,7 +217,7 @@ impl Episode {
     fn record(&mut self) {
         let axes = self.model.linear_axes();
         let dynamics = self.simulator.dynamics();
-        let (reference, steps) = (self.controller.reference(), self.controller.steps());
+        let reference = self.controller.reference();
         let tick = self.controller.latest();
         let project = |vector: nalgebra::Vector3<f64>| axes.iter().map(move |axis| axis.dot(&vector));
         let motion = |point: &crate::reference::PointReference| {
@@ -222,18 +234,16 @@ impl Episode {
         record.set(Field::Com, project(dynamics.com));
         record.set(Field::ComVelocity, project(dynamics.com_velocity));
         record.set(Field::ComReference, motion(&reference.chest.point));
-        record.set(Field::Xcom, [steps.xcom()]);
-        let torso_velocity = (0..self.truth.v.len()).map(|j| dynamics.torso_jacobian[(0, j)] * self.truth.v[j]).sum();
-        record.set(Field::Torso, [dynamics.torso_angle(&self.model), torso_velocity]);
+        record.set(Field::Xcom, [self.controller.xcom()]);
+        // About −y, which is the plane's only axis.
+        let (row, sign) = if self.model.is_planar() { (0, 1.0) } else { (1, -1.0) };
+        let turning = (0..self.truth.v.len()).map(|j| dynamics.torso_jacobian[(row, j)] * self.truth.v[j]).sum::<f64>();
+        record.set(Field::Torso, [dynamics.torso_angle(&self.model), sign * turning]);
         let torso = &reference.chest.angle;
         record.set(Field::TorsoReference, [torso.angle, torso.velocity, torso.acceleration]);
         record.set(Field::Feet, dynamics.contact_positions.iter().flat_map(|point| project(*point)));
         record.set(Field::FeetReference, reference.feet.iter().flat_map(|foot| motion(&foot.point)));
-        let swing = match steps.phase() {
-            Phase::DoubleSupport => [-1.0, -1.0],
-            Phase::Step { foot, since, .. } => [foot as f64, since],
-        };
-        record.set(Field::Swing, swing);
+        record.set(Field::Swing, self.controller.swing().map_or([-1.0, -1.0], |(foot, since)| [foot as f64, since]));
         record.set(Field::Touching, self.truth.touching.iter().map(|&touching| f64::from(u8::from(touching))));
         record.set(Field::MomentumRateGoal, self.controller.planner().goal().momentum_rate.iter().copied());
         record.set(Field::Acceleration, tick.solution.qdd.iter().copied());

@@ -21,6 +21,7 @@ pub mod control;
 pub mod diagnosis;
 pub mod episode;
 pub mod error;
+pub mod feet;
 pub mod library;
 pub mod log;
 pub mod log_file;

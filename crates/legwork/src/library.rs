@@ -10,7 +10,13 @@ use crate::settings::{TRAJECTORY_COLUMNS, Valid};
 /// A built-in file: its name and its text.
 type Entry = (&'static str, &'static str);
 
-const MODELS: &[Entry] = &[("planar_humanoid", include_str!("../../../models/planar_humanoid.toml"))];
+const MODELS: &[Entry] = &[
+    ("planar_humanoid", include_str!("../../../models/planar_humanoid.toml")),
+    ("exo18", include_str!("../../../models/exo18.urdf")),
+];
+
+/// What URDF cannot say of a built-in model.
+const SIDE_FILES: &[Entry] = &[("exo18", include_str!("../../../models/exo18.legwork.toml"))];
 
 const SCENARIOS: &[Entry] = &[
     ("stand", include_str!("../../../scenarios/stand.toml")),
@@ -27,6 +33,8 @@ const SCENARIOS: &[Entry] = &[
     ("walk-tuned", include_str!("../../../scenarios/walk-tuned.toml")),
     ("push-tuned", include_str!("../../../scenarios/push-tuned.toml")),
     ("waypoints", include_str!("../../../scenarios/waypoints.toml")),
+    ("exo-sway", include_str!("../../../scenarios/exo-sway.toml")),
+    ("exo-lift", include_str!("../../../scenarios/exo-lift.toml")),
     ("walk-spring-damper", include_str!("../../../scenarios/walk-spring-damper.toml")),
 ];
 
@@ -109,7 +117,15 @@ pub fn load_model(name_or_path: &str, folder: Option<&Path>) -> Result<Model, Er
 /// As [`load_model`].
 pub fn load_model_with_base(name_or_path: &str, folder: Option<&Path>, base: Option<Base>) -> Result<Model, Error> {
     if let Some(text) = model_text(name_or_path) {
-        return Ok(Model::from_toml_with_base(text, &format!("built-in {name_or_path}.toml"), base)?);
+        return Ok(match self::text(SIDE_FILES, name_or_path) {
+            Some(side) => Model::from_urdf(
+                text,
+                &format!("built-in {name_or_path}.urdf"),
+                Some((side, &format!("built-in {name_or_path}.legwork.toml"))),
+                base,
+            )?,
+            None => Model::from_toml_with_base(text, &format!("built-in {name_or_path}.toml"), base)?,
+        });
     }
     let path = folder.unwrap_or(Path::new("")).join(name_or_path);
     if is_mere_name(name_or_path) && !path.exists() {

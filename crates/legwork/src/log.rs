@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use legwork_rbd::Model;
 
+use crate::feet::FootRows;
 use crate::qp::Layout;
 use crate::qp::layout::axis_name;
 
@@ -79,12 +80,15 @@ pub struct Log {
     columns: Vec<Column>,
     fields: Vec<(Field, Range<usize>)>,
     values: Vec<f64>,
+    /// The foot of each contact point.
+    foot_of: Vec<usize>,
 }
 
 impl Log {
     /// An empty log for `model` under a program of `layout`, with room for `records` records.
     pub fn new(model: &Model, layout: &Layout, records: usize) -> Self {
-        let mut log = Self { columns: Vec::new(), fields: Vec::new(), values: Vec::new() };
+        let foot_of = model.contacts.iter().map(|contact| contact.foot).collect();
+        let mut log = Self { columns: Vec::new(), fields: Vec::new(), values: Vec::new(), foot_of };
         for (field, columns) in schema(model, layout) {
             let start = log.columns.len();
             log.columns.extend(columns.into_iter().map(|(name, unit)| Column { name, unit }));
@@ -133,6 +137,15 @@ impl Log {
     /// All records.
     pub fn records(&self) -> impl ExactSizeIterator<Item = &[f64]> + Clone {
         self.values.chunks_exact(self.columns.len())
+    }
+
+    /// Place of a foot in record `index`, the centre of its contact points, along the linear axes [m].
+    pub fn foot(&self, index: usize, foot: usize) -> impl Iterator<Item = f64> + '_ {
+        let axes = self.range(Field::Com).len();
+        let points = self.get(index, Field::Feet);
+        let contacts = move || (0..self.foot_of.len()).filter(move |&contact| self.foot_of[contact] == foot);
+        let share = 1.0 / contacts().count() as f64;
+        (0..axes).map(move |axis| share * contacts().map(|contact| points[contact * axes + axis]).sum::<f64>())
     }
 
     /// All values of the column at `index`.
@@ -232,9 +245,18 @@ fn schema(model: &Model, layout: &Layout) -> Vec<(Field, Vec<(String, &'static s
         let angular = names.into_iter().map(|axis| (format!("{name}.angular{axis}"), "Nm"));
         angular.chain(axes.iter().map(|axis| (format!("{name}.linear_{axis}"), "N"))).collect()
     };
+    let angular = |name: &str| -> Vec<(String, &'static str)> {
+        let names = if model.is_planar() { &[""][..] } else { &["_x", "_y", "_z"] };
+        names.iter().map(|axis| (format!("{name}{axis}"), "rad/s2")).collect()
+    };
     let mut slack = momentum("slack.momentum");
-    slack.extend(contacts("slack.feet", "m/s2"));
-    slack.push(("slack.torso".into(), "rad/s2"));
+    for (foot, rows) in model.feet.iter().zip(FootRows::of(model)) {
+        if !rows.angular.is_empty() {
+            slack.extend(angular(&format!("slack.feet.{foot}_angular")));
+        }
+        slack.extend(axes.iter().map(|axis| (format!("slack.feet.{foot}_{axis}"), "m/s2")));
+    }
+    slack.extend(angular("slack.torso"));
     let feet = model.feet.iter().take(2).flat_map(|foot| motion(&format!("foot_reference.{foot}"))).collect();
     let positions = model.q_names().into_iter().enumerate().map(|(index, name)| {
         let rotational = model.nq() == model.nv() && model.dofs[index].rotational;

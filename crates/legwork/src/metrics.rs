@@ -142,9 +142,8 @@ pub fn measure(scenario: &Scenario, log: &Log) -> Metrics {
         metrics.com_error_vertical_m = Some(mean_peak(late.map(|i| com_offset(log, i, dimension - 1).abs())));
     }
     metrics.feet_error_m = mean_peak(ticks.clone().flat_map(|i| {
-        let feet = log.get(i, Field::Feet).chunks_exact(dimension);
-        let references = log.get(i, Field::FeetReference).chunks_exact(3 * dimension);
-        feet.zip(references).map(|(foot, reference)| distance(foot, &reference[..dimension])).collect::<Vec<_>>()
+        let references = log.get(i, Field::FeetReference).chunks_exact(3 * dimension).enumerate();
+        references.map(move |(foot, reference)| distance(log.foot(i, foot), reference[..dimension].iter().copied()))
     }));
     metrics.torso_deviation_rad =
         mean_peak(ticks.clone().map(|i| (log.get(i, Field::Torso)[0] - log.get(i, Field::TorsoReference)[0]).abs()));
@@ -209,7 +208,7 @@ fn joints(log: &Log) -> Vec<JointUse> {
 /// Distance of the CoM from its reference in record `index` [m].
 pub fn com_error(log: &Log, index: usize) -> f64 {
     let com = log.get(index, Field::Com);
-    distance(com, &log.get(index, Field::ComReference)[..com.len()])
+    distance(com.iter().copied(), log.get(index, Field::ComReference)[..com.len()].iter().copied())
 }
 
 fn com_offset(log: &Log, index: usize, axis: usize) -> f64 {
@@ -220,8 +219,8 @@ fn norm(vector: &[f64]) -> f64 {
     libm::sqrt(vector.iter().map(|value| value * value).sum())
 }
 
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    libm::sqrt(a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum())
+fn distance(a: impl Iterator<Item = f64>, b: impl Iterator<Item = f64>) -> f64 {
+    libm::sqrt(a.zip(b).map(|(x, y)| (x - y) * (x - y)).sum())
 }
 
 fn mean_peak(values: impl Iterator<Item = f64>) -> MeanPeak {

@@ -1,8 +1,9 @@
 //! The motion reference planner (thesis 4.3.2): from references to goals for momentum rate and accelerations.
 
 use legwork_rbd::{Dynamics, Model};
-use nalgebra::DVector;
+use nalgebra::{DVector, Vector3};
 
+use crate::feet::{FeetMotion, FootRows, pitched, rotation_error};
 use crate::reference::Reference;
 use crate::scenario::{Damping, PlannerSettings};
 
@@ -11,10 +12,15 @@ use crate::scenario::{Damping, PlannerSettings};
 pub struct MotionGoal {
     /// `h_D`: desired rate of the centroidal momentum, in the rows of the momentum matrix [Nm, N].
     pub momentum_rate: DVector<f64>,
-    /// `p_D`: desired accelerations of the contact points, stacked along the model's linear axes [m/s²].
+    /// `p_D`: desired accelerations of the feet, in the rows of [`FeetMotion`] [rad/s², m/s²].
     pub foot_acceleration: DVector<f64>,
-    /// `alpha_D`: desired angular acceleration of the torso [rad/s²].
-    pub torso_acceleration: f64,
+    /// `alpha_D`: desired angular acceleration of the torso along the model's angular axes [rad/s²].
+    pub torso_acceleration: DVector<f64>,
+}
+
+/// A turn about −y as a vector.
+fn about_y(angle: f64) -> Vector3<f64> {
+    Vector3::new(0.0, -angle, 0.0)
 }
 
 /// The planner with its gains.
@@ -24,6 +30,7 @@ pub struct MotionReferencePlanner {
     mass: f64,
     com_damping: f64,
     foot_damping: f64,
+    foot_rotation_damping: f64,
     torso_damping: f64,
     goal: MotionGoal,
 }
@@ -43,17 +50,25 @@ impl MotionReferencePlanner {
             mass,
             com_damping: damping(mass, settings.com_gain),
             foot_damping: damping(1.0, settings.foot_gain),
+            foot_rotation_damping: damping(1.0, settings.foot_rotation_gain),
             torso_damping: damping(1.0, settings.torso_gain),
             goal: MotionGoal {
                 momentum_rate: DVector::zeros(angular + linear),
-                foot_acceleration: DVector::zeros(linear * model.contacts.len()),
-                torso_acceleration: 0.0,
+                foot_acceleration: DVector::zeros(FootRows::of(model).last().map_or(0, |rows| rows.linear.end)),
+                torso_acceleration: DVector::zeros(angular),
             },
         }
     }
 
-    /// The goals for the state in `dynamics`; `v` are the joint velocities [rad/s, m/s].
-    pub fn plan(&mut self, model: &Model, dynamics: &Dynamics, v: &[f64], reference: &Reference) -> &MotionGoal {
+    /// The goals for the state in `dynamics` and `feet`; `v` are the joint velocities [rad/s, m/s].
+    pub fn plan(
+        &mut self,
+        model: &Model,
+        dynamics: &Dynamics,
+        feet: &FeetMotion,
+        v: &[f64],
+        reference: &Reference,
+    ) -> &MotionGoal {
         let (angular, linear) = (model.angular_axes().len(), model.linear_axes());
         let settings = &self.settings;
         let goal = &mut self.goal;
@@ -76,22 +91,39 @@ impl MotionReferencePlanner {
         }
 
         // Thesis (4.5)
-        for (contact, point) in model.contacts.iter().enumerate() {
-            let foot = &reference.feet[point.foot].point;
-            let acceleration = settings.foot_gain * (foot.position - dynamics.contact_positions[contact])
-                + self.foot_damping * (foot.velocity - dynamics.contact_velocities[contact])
-                + foot.acceleration;
-            for (row, axis) in linear.iter().enumerate() {
-                goal.foot_acceleration[contact * linear.len() + row] = axis.dot(&acceleration);
+        for (foot, wanted) in reference.feet.iter().enumerate().take(model.feet.len()) {
+            let (rows, point, angle) = (feet.rows(foot), &wanted.point, &wanted.angle);
+            let acceleration = settings.foot_gain * (point.position - feet.position[foot])
+                + self.foot_damping * (point.velocity - feet.velocity[foot])
+                + point.acceleration;
+            for (row, axis) in rows.linear.clone().zip(linear) {
+                goal.foot_acceleration[row] = axis.dot(&acceleration);
+            }
+            if rows.angular.is_empty() {
+                continue;
+            }
+            let acceleration = settings.foot_rotation_gain
+                * rotation_error(&feet.rotation[foot], &pitched(angle.angle))
+                + self.foot_rotation_damping * (about_y(angle.velocity) - feet.angular_velocity[foot])
+                + about_y(angle.acceleration);
+            for (row, axis) in rows.angular.clone().zip(model.angular_axes()) {
+                goal.foot_acceleration[row] = axis.dot(&acceleration);
             }
         }
 
-        // Thesis (4.6), as meant: position and velocity of the torso, not its acceleration.
+        // Thesis (4.6), as meant: position and velocity of the torso, not its acceleration. In space its rotation vector.
         let torso = &reference.chest.angle;
-        let velocity: f64 = (0..v.len()).map(|j| dynamics.torso_jacobian[(0, j)] * v[j]).sum();
-        goal.torso_acceleration = settings.torso_gain * (torso.angle - dynamics.torso_angle(model))
-            + self.torso_damping * (torso.velocity - velocity)
-            + torso.acceleration;
+        let turn = if model.is_planar() {
+            about_y(torso.angle - dynamics.torso_angle(model))
+        } else {
+            rotation_error(&dynamics.world_from_body[model.torso].rotation, &pitched(torso.angle))
+        };
+        for (row, axis) in model.angular_axes().iter().enumerate() {
+            let velocity: f64 = (0..v.len()).map(|j| dynamics.torso_jacobian[(row, j)] * v[j]).sum();
+            goal.torso_acceleration[row] = settings.torso_gain * axis.dot(&turn)
+                + self.torso_damping * (axis.dot(&about_y(torso.velocity)) - velocity)
+                + axis.dot(&about_y(torso.acceleration));
+        }
         goal
     }
 

@@ -20,6 +20,28 @@ pub enum TrajectoryKind {
     File,
 }
 
+/// What the feet and the centre of mass should do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Generator {
+    /// The CoM follows its trajectory, and the feet step when the XcoM leaves the base of support (thesis 4.3.1).
+    Steps,
+    /// The robot stands, sways, squats or lifts a foot, as planned beforehand.
+    Stance,
+}
+
+/// Which foot is lifted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Lift {
+    /// None.
+    None,
+    /// The right one.
+    Right,
+    /// The left one.
+    Left,
+}
+
 /// Whether the step length is planned once or again while the foot swings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -130,6 +152,8 @@ pub struct Start {
     pub right_foot_x_m: f64,
     /// Place of the left foot [m].
     pub left_foot_x_m: f64,
+    /// Distance of the feet along y [m]; robots in space only.
+    pub feet_width_m: f64,
     /// Place of the centre of mass [m].
     pub com_x_m: f64,
     /// Height of the centre of mass above the ground below it [m].
@@ -154,10 +178,14 @@ pub struct Ground {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReferenceSettings {
+    /// Which generator.
+    pub generator: Generator,
     /// The centre of mass.
     pub com: ComSettings,
-    /// The steps.
+    /// The steps of the generator `steps`.
     pub step: StepSettings,
+    /// The generator `stance`.
+    pub stance: StanceSettings,
 }
 
 /// The desired motion of the centre of mass.
@@ -200,6 +228,28 @@ pub struct StepSettings {
     pub replan: Replan,
 }
 
+/// Standing, swaying, squatting, lifting a foot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StanceSettings {
+    /// Amplitude of the CoM's sway along x, y, z [m].
+    pub sway_m: [f64; 3],
+    /// Depth of a squat [m].
+    pub squat_m: f64,
+    /// Time of one sway and one squat [s].
+    pub period_s: f64,
+    /// Which foot is lifted.
+    pub lift: Lift,
+    /// When the CoM begins to move above the other foot [s].
+    pub lift_start_s: f64,
+    /// How long the foot is off the ground [s].
+    pub lift_duration_s: f64,
+    /// How high it is lifted [m].
+    pub lift_height_m: f64,
+    /// How far it swings forward and back [m].
+    pub swing_m: f64,
+}
+
 /// The controller: motion reference planner (4.3.2) and quadratic program (4.4).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -232,6 +282,8 @@ pub struct PlannerSettings {
     pub com_gain: f64,
     /// `P_f`: foot error to acceleration [1/s²].
     pub foot_gain: f64,
+    /// Foot orientation error to angular acceleration [1/s²]; feet with several contact points.
+    pub foot_rotation_gain: f64,
     /// `P_a`: torso angle error to angular acceleration [1/s²].
     pub torso_gain: f64,
     /// Which damping gains belong to them.
@@ -254,8 +306,12 @@ pub struct Weights {
     pub torque: f64,
     /// `C_m`.
     pub momentum: f64,
+    /// What the angular rows of the momentum weigh against the linear ones.
+    pub angular_momentum_factor: f64,
     /// `C_f`.
     pub feet: f64,
+    /// Weight of the angular acceleration of feet with several contact points.
+    pub foot_rotation: f64,
     /// `C_a`.
     pub torso: f64,
     /// Weight of a braking joint's acceleration error where the hard bound (4.32) had to yield.
@@ -338,6 +394,13 @@ pub struct SensorSettings {
     pub delay_s: f64,
 }
 
+impl SensorSettings {
+    /// Whether the controller is told the true state.
+    pub fn are_ideal(&self) -> bool {
+        self.position_noise == 0.0 && self.velocity_noise == 0.0 && self.delay_s == 0.0
+    }
+}
+
 /// Actuators: ideal by default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -378,6 +441,8 @@ pub struct Push {
     pub force_n: f64,
     /// Its direction: 0 forward, 90 up, 180 backward [deg].
     pub direction_deg: f64,
+    /// How far it is turned to the left about z [deg]; robots in space only.
+    pub heading_deg: f64,
     /// When it begins [s].
     pub start_s: f64,
     /// How long it lasts [s].
@@ -390,7 +455,15 @@ pub struct Push {
 
 impl Default for Push {
     fn default() -> Self {
-        Self { force_n: 0.0, direction_deg: 0.0, start_s: 0.0, duration_s: 0.0, at: "com".into(), point_m: [0.0; 3] }
+        Self {
+            force_n: 0.0,
+            direction_deg: 0.0,
+            heading_deg: 0.0,
+            start_s: 0.0,
+            duration_s: 0.0,
+            at: "com".into(),
+            point_m: [0.0; 3],
+        }
     }
 }
 
@@ -407,12 +480,14 @@ impl Default for Scenario {
             start: Start {
                 right_foot_x_m: 0.0,
                 left_foot_x_m: 0.575,
+                feet_width_m: 0.22,
                 com_x_m: 0.27025,
                 com_height_m: 0.885,
                 torso_angle_deg: -1.676873,
             },
             ground: Ground { friction: 0.85, slope_deg: 0.0, known: true },
             reference: ReferenceSettings {
+                generator: Generator::Steps,
                 com: ComSettings {
                     trajectory: TrajectoryKind::Stationary,
                     speed_mps: 0.0,
@@ -431,6 +506,16 @@ impl Default for Scenario {
                     max_delay_m: 0.15,
                     replan: Replan::Never,
                 },
+                stance: StanceSettings {
+                    sway_m: [0.0; 3],
+                    squat_m: 0.0,
+                    period_s: 2.0,
+                    lift: Lift::None,
+                    lift_start_s: 1.0,
+                    lift_duration_s: 2.0,
+                    lift_height_m: 0.05,
+                    swing_m: 0.0,
+                },
             },
             controller: ControllerSettings {
                 period_s: 0.001,
@@ -441,6 +526,7 @@ impl Default for Scenario {
                     angular_momentum_gain: 200.0,
                     com_gain: 1500.0,
                     foot_gain: 1500.0,
+                    foot_rotation_gain: 400.0,
                     torso_gain: 45.0,
                     damping: Damping::Printed,
                     max_horizontal_momentum_rate_n: 520.0,
@@ -451,7 +537,9 @@ impl Default for Scenario {
                     grf: 1e-4,
                     torque: 0.0,
                     momentum: 10.0,
+                    angular_momentum_factor: 1.0,
                     feet: 5e5,
+                    foot_rotation: 5e5,
                     torso: 1e5,
                     braking: 1e4,
                 },

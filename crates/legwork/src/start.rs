@@ -1,26 +1,29 @@
 //! The start pose: joint positions that put feet, centre of mass and torso where the scenario wants them.
 
-use legwork_rbd::{Dynamics, Model};
+use legwork_rbd::{Base, Dynamics, Model};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::contact::GroundPlane;
 use crate::error::Error;
+use crate::feet::{FeetMotion, pitched, rotation_error};
 use crate::scenario::Scenario;
 
 /// Largest error of the pose that counts as solved [m, rad].
 const TOLERANCE: f64 = 1e-12;
 
-/// Joint positions [rad, m] of the start pose of `scenario`: feet on the `ground`, CoM and torso as given, all joints
-/// within their limits.
+/// Joint positions [rad, m] of the start pose of `scenario`: feet on the `ground` (and flat on it, where they have an
+/// orientation), CoM and torso as given, all joints within their limits.
 ///
 /// # Errors
 /// No such pose exists: it names what could not be met.
 pub fn start_pose(scenario: &Scenario, model: &Model, ground: &GroundPlane) -> Result<DVector<f64>, Error> {
     let start = &scenario.start;
-    let on_ground = |x: f64| Vector3::new(x, 0.0, ground.height_at(x));
+    let on_ground = |x: f64, y: f64| Vector3::new(x, y, ground.height_at(x));
+    let aside = if model.is_planar() { 0.0 } else { 0.5 * start.feet_width_m };
     let target = Target {
-        feet: vec![on_ground(start.right_foot_x_m), on_ground(start.left_foot_x_m)],
-        com: on_ground(start.com_x_m) + Vector3::z() * start.com_height_m,
+        feet: [on_ground(start.right_foot_x_m, -aside), on_ground(start.left_foot_x_m, aside)],
+        slope: ground.slope,
+        com: on_ground(start.com_x_m, 0.0) + Vector3::z() * start.com_height_m,
         torso: start.torso_angle_deg.to_radians(),
     };
     let mut best: Option<(f64, DVector<f64>)> = None;
@@ -41,7 +44,9 @@ pub fn start_pose(scenario: &Scenario, model: &Model, ground: &GroundPlane) -> R
 }
 
 struct Target {
-    feet: Vec<Vector3<f64>>,
+    feet: [Vector3<f64>; 2],
+    /// What feet with an orientation lie flat on [rad].
+    slope: f64,
     com: Vector3<f64>,
     torso: f64,
 }
@@ -57,8 +62,11 @@ fn first_guess(model: &Model, target: &Target, bend: f64) -> DVector<f64> {
             q[model.bodies[dof.body].q_index] = near + bend * 0.5 * (far - near);
         }
     }
-    if q.len() >= 2 {
-        (q[0], q[1]) = (target.com.x, 0.3 * target.com.z);
+    match model.base {
+        Base::Planar => (q[0], q[1]) = (target.com.x, 0.3 * target.com.z),
+        // After the quaternion.
+        Base::Floating => (q[4], q[6]) = (target.com.x, target.com.z),
+        Base::Fixed => {}
     }
     q
 }
@@ -94,20 +102,34 @@ fn solve(model: &Model, target: &Target, mut q: DVector<f64>) -> (f64, DVector<f
 /// Target minus pose, and the pose's Jacobian: feet, CoM, torso.
 fn residual(model: &Model, target: &Target, dynamics: &mut Dynamics, q: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
     dynamics.update(model, q.as_slice(), &vec![0.0; model.nv()]);
-    let (axes, nv) = (model.linear_axes(), model.nv());
-    let d = axes.len();
-    let rows = d * (target.feet.len() + 1) + 1;
-    let (mut error, mut jacobian) = (DVector::zeros(rows), DMatrix::zeros(rows, nv));
-    for (i, axis) in axes.iter().enumerate() {
-        for (foot, place) in target.feet.iter().enumerate() {
-            error[foot * d + i] = axis.dot(&(place - dynamics.contact_positions[foot]));
+    let mut feet = FeetMotion::new(model);
+    feet.update(model, dynamics);
+    let (linear, angular) = (model.linear_axes(), model.angular_axes());
+    let (com, torso) = (feet.bias.len(), feet.bias.len() + linear.len());
+    let rows = torso + angular.len();
+    let (mut error, mut jacobian) = (DVector::zeros(rows), DMatrix::zeros(rows, model.nv()));
+    for (foot, place) in target.feet.iter().enumerate() {
+        let rows = feet.rows(foot);
+        for (row, axis) in rows.linear.clone().zip(linear) {
+            error[row] = axis.dot(&(place - feet.position[foot]));
         }
-        error[target.feet.len() * d + i] = axis.dot(&(target.com - dynamics.com));
+        let turn = rotation_error(&feet.rotation[foot], &pitched(target.slope));
+        for (row, axis) in rows.angular.clone().zip(angular) {
+            error[row] = axis.dot(&turn);
+        }
     }
-    error[rows - 1] = target.torso - dynamics.torso_angle(model);
-    jacobian.rows_mut(0, d * target.feet.len()).copy_from(&dynamics.contact_jacobian);
-    jacobian.rows_mut(d * target.feet.len(), d).copy_from(&dynamics.com_jacobian);
-    jacobian.row_mut(rows - 1).copy_from(&dynamics.torso_jacobian.row(0));
+    for (row, axis) in linear.iter().enumerate() {
+        error[com + row] = axis.dot(&(target.com - dynamics.com));
+    }
+    if model.is_planar() {
+        error[torso] = target.torso - dynamics.torso_angle(model);
+    } else {
+        let turn = rotation_error(&dynamics.world_from_body[model.torso].rotation, &pitched(target.torso));
+        error.rows_mut(torso, angular.len()).copy_from(&turn);
+    }
+    jacobian.rows_mut(0, com).copy_from(&feet.jacobian);
+    jacobian.rows_mut(com, linear.len()).copy_from(&dynamics.com_jacobian);
+    jacobian.rows_mut(torso, angular.len()).copy_from(&dynamics.torso_jacobian);
     (error, jacobian)
 }
 
@@ -144,7 +166,9 @@ fn check_limits(model: &Model, q: DVector<f64>) -> Result<DVector<f64>, Error> {
 fn unreachable(model: &Model, target: &Target, q: &DVector<f64>) -> Error {
     let mut dynamics = Dynamics::new(model);
     dynamics.update(model, q.as_slice(), &vec![0.0; model.nv()]);
-    let feet = [&dynamics.contact_positions[0], &dynamics.contact_positions[1]];
+    let mut motion = FeetMotion::new(model);
+    motion.update(model, &dynamics);
+    let feet = &motion.position;
     Error::invalid(
         "start",
         format!(

@@ -10,20 +10,21 @@ use legwork::qp::{self, Inputs, Layout, Relaxation, Solution};
 use legwork::scenario::{QpForm, Scenario, Tracking};
 use legwork::{library, scenario_file};
 use legwork_qp::{Constraint, Problem, Solver, Status};
-use legwork_rbd::Model;
+use legwork_rbd::{Dynamics, Model};
 
 /// A controller's inputs in a state of a run, so that either form can be built from them.
 struct State {
     scenario: Scenario,
     model: Model,
     controller: Controller,
+    dynamics: Dynamics,
     estimate: Estimate,
     stance: Vec<bool>,
 }
 
 impl State {
     fn layout(&self, form: QpForm) -> Layout {
-        Layout::new(form, &self.model, self.controller.ground())
+        Layout::new(form, &self.scenario.controller.tracking, &self.model, self.controller.ground())
     }
 
     fn build(&self, layout: &Layout, change: impl FnOnce(&mut Scenario)) -> Problem {
@@ -37,7 +38,8 @@ impl State {
     fn inputs<'a>(&'a self, scenario: &'a Scenario) -> Inputs<'a> {
         Inputs {
             model: &self.model,
-            dynamics: self.controller.dynamics(),
+            dynamics: &self.dynamics,
+            feet: self.controller.feet(),
             q: &self.estimate.q,
             v: &self.estimate.v,
             goal: self.controller.planner().goal(),
@@ -51,13 +53,13 @@ impl State {
     }
 
     fn solve(&self, form: QpForm, change: impl Fn(&mut Scenario)) -> (Status, Solution, Problem, Solver) {
-        let layout = self.layout(form);
+        let mut scenario = self.scenario.clone();
+        change(&mut scenario);
+        let layout = Layout::new(form, &scenario.controller.tracking, &self.model, self.controller.ground());
         let problem = self.build(&layout, &change);
         let mut solver = Solver::new(layout.variables(), layout.rows());
         let status = solver.solve(&problem);
-        let mut solution = Solution::new(&layout);
-        let mut scenario = self.scenario.clone();
-        change(&mut scenario);
+        let mut solution = Solution::new(&layout, &self.model);
         qp::read_solution(&layout, &self.inputs(&scenario), solver.x(), &mut solution);
         (status, solution, problem, solver)
     }
@@ -75,17 +77,20 @@ fn states(name: &str, every: usize) -> Vec<State> {
         touching: run.log.get(i, Field::Touching).iter().map(|&flag| flag > 0.5).collect(),
     };
     let mut controller = Controller::new(&loaded.scenario, &model, &[], &estimate(0)).expect("the model fits");
+    let mut dynamics = Dynamics::new(&model);
     let mut found = Vec::new();
     for i in 0..run.log.len() {
         let estimate = estimate(i);
-        controller.tick(&estimate);
+        dynamics.update(&model, &estimate.q, &estimate.v);
+        controller.tick(&estimate, &dynamics);
         if i % every == 0 {
-            let swinging = controller.steps().swing_foot();
+            let swinging = controller.swing().map(|(foot, _)| foot);
             let stance = (0..2).map(|foot| estimate.touching[foot] && Some(foot) != swinging).collect();
             found.push(State {
                 scenario: loaded.scenario.clone(),
                 model: model.clone(),
                 controller: controller.clone(),
+                dynamics: dynamics.clone(),
                 estimate,
                 stance,
             });
@@ -100,7 +105,7 @@ fn the_slack_form_is_appendix_b() {
     for state in states("walk", 97) {
         let layout = state.layout(QpForm::Slack);
         let problem = state.build(&layout, |_| {});
-        let dynamics = state.controller.dynamics();
+        let dynamics = &state.dynamics;
         let goal = state.controller.planner().goal();
 
         // (B.1), (B.2): 7 + 4 + 4 + 3 + 4 + 1 = 23 variables.
@@ -131,7 +136,7 @@ fn the_slack_form_is_appendix_b() {
         b_eq.rows_mut(0, 7).copy_from(&-(&dynamics.bias + &dynamics.damping));
         b_eq.rows_mut(7, 3).copy_from(&(&goal.momentum_rate - &dynamics.momentum_bias));
         b_eq.rows_mut(10, 4).copy_from(&(&goal.foot_acceleration - &dynamics.contact_bias));
-        b_eq[14] = goal.torso_acceleration;
+        b_eq[14] = goal.torso_acceleration[0];
         for row in 0..19 {
             for column in 0..23 {
                 let (found, expected) = (problem.row(row)[column], a_eq[(row, column)]);
@@ -320,7 +325,7 @@ fn joint_limits_yield_where_they_contradict_the_torque_limits() {
         state.estimate.v[knee] = speed;
         let mut controller =
             Controller::new(&state.scenario, &state.model, &[], &state.estimate).expect("the model fits");
-        let tick = controller.tick(&state.estimate);
+        let tick = controller.tick(&state.estimate, &state.dynamics);
         assert_eq!(tick.status, Status::Infeasible);
         assert_eq!(tick.fallback, fallback, "{speed} rad/s");
         assert!(tick.braking[0] > 0.0, "the knee should brake");

@@ -197,6 +197,7 @@ fn a_push_changes_the_momentum_by_its_impulse() {
         scenario.pushes.push(Push {
             force_n: 100.0,
             direction_deg: 60.0,
+            heading_deg: 0.0,
             start_s: 0.05,
             duration_s: 0.1,
             at: at.into(),

@@ -138,8 +138,8 @@ impl<'a> Charts<'a> {
         for (foot, name) in self.run.model.feet.iter().enumerate().take(2) {
             let (class, label) = (side(name), plain(name));
             let reference = self.values(Field::FeetReference, 3 * d * foot + axis, 1.0);
-            let contact = self.run.model.contacts.iter().position(|contact| contact.foot == foot);
-            let position = self.values(Field::Feet, d * contact.unwrap_or(0) + axis, 1.0);
+            let log = &self.run.log;
+            let position = (0..log.len()).filter_map(|index| log.foot(index, foot).nth(axis)).collect();
             lines.push(line(&label, class, position));
             lines.push(line(&format!("{label} reference"), &format!("{class} dotted"), reference));
         }

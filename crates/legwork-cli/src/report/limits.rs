@@ -2,6 +2,7 @@
 
 use legwork::control::Fallback;
 use legwork::episode::Run;
+use legwork::feet::FootRows;
 use legwork::log::Field;
 
 use super::chart::{Panel, Row, rows_panel};
@@ -73,17 +74,18 @@ fn slack(run: &Run) -> Vec<Panel> {
         let values = |index: usize| &log.get(index, Field::Slack)[range.clone()];
         (0..log.len()).map(|index| values(index).iter().map(|value| value * value).sum::<f64>().sqrt()).collect()
     };
-    let feet = run.model.contacts.iter().enumerate().map(|(contact, point)| {
-        let first = angular + d + contact * d;
-        let class = if side(&point.name) == "left" { "left dashed" } else { side(&point.name) };
-        line(&plain(&point.name), class, norm(first..first + d))
+    let rows = FootRows::of(&run.model);
+    let feet = run.model.feet.iter().zip(&rows).map(|(name, rows)| {
+        let first = angular + d + rows.linear.start;
+        let class = if side(name) == "left" { "left dashed" } else { side(name) };
+        line(&plain(name), class, norm(first..first + d))
     });
     let feet: Vec<_> = feet.collect();
-    let torso = angular + d + run.model.contacts.len() * d;
+    let torso = angular + d + rows.last().map_or(0, |rows| rows.linear.end);
     vec![
         panel("momentum rate, linear [N]", 86.0, 1.0, vec![line("slack", "", norm(angular..angular + d))]),
         panel("momentum rate, angular [Nm]", 86.0, 1.0, vec![line("slack", "", norm(0..angular))]),
         panel("feet [m/s²]", 86.0, 1.0, feet),
-        panel("torso [rad/s²]", 86.0, 1.0, vec![line("slack", "", norm(torso..torso + 1))]),
+        panel("torso [rad/s²]", 86.0, 1.0, vec![line("slack", "", norm(torso..torso + angular))]),
     ]
 }

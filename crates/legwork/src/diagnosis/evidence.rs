@@ -7,6 +7,7 @@ use legwork_rbd::Model;
 use super::FirstCause;
 use crate::contact::GroundPlane;
 use crate::control::Fallback;
+use crate::feet::FootRows;
 use crate::log::{Field, Log};
 use crate::qp::Layout;
 use crate::reference::{swing, xcom};
@@ -67,7 +68,7 @@ impl<'a> Evidence<'a> {
     }
 
     pub(super) fn foot_name(&self, foot: usize) -> String {
-        self.model.contacts[foot].name.clone()
+        self.model.feet[foot].clone()
     }
 
     pub(super) fn weight(&self) -> f64 {
@@ -86,7 +87,7 @@ impl<'a> Evidence<'a> {
 
     /// Place of a foot along x [m].
     pub(super) fn foot_x(&self, i: usize, foot: usize) -> f64 {
-        self.log.get(i, Field::Feet)[foot * self.axes]
+        self.log.foot(i, foot).next().expect("a foot has a place")
     }
 
     fn foot_reference_x(&self, i: usize, foot: usize) -> f64 {
@@ -95,14 +96,14 @@ impl<'a> Evidence<'a> {
 
     /// How far a foot is off its path [m].
     pub(super) fn foot_off(&self, i: usize, foot: usize) -> f64 {
-        let places = &self.log.get(i, Field::Feet)[foot * self.axes..];
         let goals = &self.log.get(i, Field::FeetReference)[foot * 3 * self.axes..];
-        let squares = places.iter().zip(goals).take(self.axes).map(|(place, goal)| (place - goal).powi(2));
+        let squares = self.log.foot(i, foot).zip(goals).map(|(place, goal)| (place - goal).powi(2));
         squares.sum::<f64>().sqrt()
     }
 
     pub(super) fn touching(&self, i: usize, foot: usize) -> bool {
-        self.log.get(i, Field::Touching)[foot] > 0.5
+        let points = self.model.contacts.iter().zip(self.log.get(i, Field::Touching));
+        points.filter(|(point, _)| point.foot == foot).any(|(_, &flag)| flag > 0.5)
     }
 
     /// Upward force that the momentum task misses [N].
@@ -113,14 +114,16 @@ impl<'a> Evidence<'a> {
 
     /// Acceleration that the task of a foot misses [m/s²].
     pub(super) fn missed_foot(&self, i: usize, foot: usize) -> f64 {
-        let first = self.model.angular_axes().len() + self.axes * (1 + foot);
-        let slack = &self.log.get(i, Field::Slack)[first..first + self.axes];
+        let momentum = self.model.angular_axes().len() + self.axes;
+        let slack = &self.log.get(i, Field::Slack)[momentum..][FootRows::of(self.model)[foot].linear.clone()];
         slack.iter().map(|value| value * value).sum::<f64>().sqrt()
     }
 
     /// Angular acceleration that the torso task misses [rad/s²].
     pub(super) fn missed_torso(&self, i: usize) -> f64 {
-        self.log.get(i, Field::Slack).last().map_or(0.0, |value| value.abs())
+        let slack = self.log.get(i, Field::Slack);
+        let torso = &slack[slack.len() - self.model.angular_axes().len()..];
+        torso.iter().map(|value| value * value).sum::<f64>().sqrt()
     }
 
     pub(super) fn fallback(&self, i: usize) -> f64 {

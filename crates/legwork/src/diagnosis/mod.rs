@@ -14,6 +14,7 @@ mod words;
 
 use legwork_rbd::Model;
 
+use crate::feet::pitched;
 use crate::scenario::Scenario;
 use crate::sim::Simulator;
 pub use cause::{Diagnosis, Event, FirstCause, What};
@@ -87,7 +88,15 @@ pub fn fall(scenario: &Scenario, model: &Model, simulator: &Simulator, sound: bo
         return at(Cause::ComTooLow { height, lowest });
     }
     let reference = scenario.controller.planner.torso_angle_deg.to_radians();
-    let angle = dynamics.torso_angle(model) - reference;
+    let angle = if model.is_planar() {
+        dynamics.torso_angle(model) - reference
+    } else {
+        // Of the torso's upward axis, whatever way it leans; as if counter-clockwise where it leans back.
+        let [up, wanted] =
+            [dynamics.world_from_body[model.torso].rotation, pitched(reference)].map(|r| r.column(2).into_owned());
+        let lean = libm::atan2(wanted.cross(&up).norm(), wanted.dot(&up));
+        if up.x > wanted.x { -lean } else { lean }
+    };
     if angle.abs() > settings.max_torso_angle_deg.to_radians() {
         return at(Cause::TorsoLeans { angle });
     }

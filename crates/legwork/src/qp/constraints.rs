@@ -45,10 +45,10 @@ pub fn friction(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
     }
 }
 
-/// Tracking. Thesis (4.17), (4.19), (4.20) with slack variables as in (B.9); without them the rows bind only where a
-/// task is an equality.
+/// Tracking. Thesis (4.17), (4.19), (4.20) with slack variables as in (B.9); without them a task has rows only where it
+/// is an equality, and they bind only where it has not yielded.
 pub fn tasks(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
-    let (dynamics, goal, tracking) = (inputs.dynamics, inputs.goal, inputs.tracking);
+    let (dynamics, feet, goal, tracking) = (inputs.dynamics, inputs.feet, inputs.goal, inputs.tracking);
     let hard = |task: Tracking| task == Tracking::Equality && !inputs.relaxed.tasks;
 
     let momentum = Task { rows: layout.momentum_rows.start, slack: layout.s_m.start, hard: hard(tracking.momentum) };
@@ -56,14 +56,15 @@ pub fn tasks(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
         let target = goal.momentum_rate[i] - dynamics.momentum_bias[i];
         task_row(layout, problem, &momentum, i, &dynamics.momentum_matrix, target);
     }
-    let feet = Task { rows: layout.feet_rows.start, slack: layout.s_f.start, hard: hard(tracking.feet) };
+    let task = Task { rows: layout.feet_rows.start, slack: layout.s_f.start, hard: hard(tracking.feet) };
     for i in 0..layout.feet_rows.len() {
-        let target = goal.foot_acceleration[i] - dynamics.contact_bias[i];
-        task_row(layout, problem, &feet, i, &dynamics.contact_jacobian, target);
+        task_row(layout, problem, &task, i, &feet.jacobian, goal.foot_acceleration[i] - feet.bias[i]);
     }
     let torso = Task { rows: layout.torso_rows.start, slack: layout.s_a.start, hard: hard(tracking.torso) };
-    let target = goal.torso_acceleration - dynamics.torso_bias[0];
-    task_row(layout, problem, &torso, 0, &dynamics.torso_jacobian, target);
+    for i in 0..layout.torso_rows.len() {
+        let target = goal.torso_acceleration[i] - dynamics.torso_bias[i];
+        task_row(layout, problem, &torso, i, &dynamics.torso_jacobian, target);
+    }
 }
 
 /// Where a task's rows and slack variables begin, and whether it is an equality.

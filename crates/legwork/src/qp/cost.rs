@@ -41,38 +41,52 @@ pub fn operating(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
 
 /// Tracking cost. Thesis (4.28), or (4.24) in the direct form.
 pub fn tracking(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
-    let (dynamics, goal) = (inputs.dynamics, inputs.goal);
-    let (weights, tasks) = (inputs.weights, inputs.tracking);
+    let (dynamics, feet, goal) = (inputs.dynamics, inputs.feet, inputs.goal);
+    let tasks = inputs.tracking;
     let soft = |task: Tracking| task == Tracking::Cost || inputs.relaxed.tasks;
+    let angular = inputs.model.angular_axes().len();
+    let momentum_weight = |row: usize| {
+        let factor = if row < angular { inputs.weights.angular_momentum_factor } else { 1.0 };
+        factor * inputs.weights.momentum // C_m
+    };
 
     if layout.form == QpForm::Slack {
         let n = problem.n();
         let hessian = problem.hessian_mut();
-        for (range, weight) in
-            [(&layout.s_m, weights.momentum), (&layout.s_f, weights.feet), (&layout.s_a, weights.torso)]
-        {
-            for i in range.clone() {
-                hessian[i * n + i] += 2.0 * weight;
+        for (range, weight) in [
+            (&layout.s_m, &momentum_weight as &dyn Fn(usize) -> f64),
+            (&layout.s_f, &|i| foot_weight(inputs, i)),
+            (&layout.s_a, &|_| inputs.weights.torso),
+        ] {
+            for (i, variable) in range.clone().enumerate() {
+                hessian[variable * n + variable] += 2.0 * weight(i);
             }
         }
         return;
     }
     if soft(tasks.momentum) {
-        for i in 0..layout.momentum_rows.len() {
+        for i in 0..goal.momentum_rate.len() {
             let target = goal.momentum_rate[i] - dynamics.momentum_bias[i];
-            squared_error(layout, problem, &dynamics.momentum_matrix, i, target, weights.momentum);
+            squared_error(layout, problem, &dynamics.momentum_matrix, i, target, momentum_weight(i));
         }
     }
     if soft(tasks.feet) {
-        for i in 0..layout.feet_rows.len() {
-            let target = goal.foot_acceleration[i] - dynamics.contact_bias[i];
-            squared_error(layout, problem, &dynamics.contact_jacobian, i, target, weights.feet);
+        for i in 0..goal.foot_acceleration.len() {
+            let target = goal.foot_acceleration[i] - feet.bias[i];
+            squared_error(layout, problem, &feet.jacobian, i, target, foot_weight(inputs, i));
         }
     }
     if soft(tasks.torso) {
-        let target = goal.torso_acceleration - dynamics.torso_bias[0];
-        squared_error(layout, problem, &dynamics.torso_jacobian, 0, target, weights.torso);
+        for i in 0..goal.torso_acceleration.len() {
+            let target = goal.torso_acceleration[i] - dynamics.torso_bias[i];
+            squared_error(layout, problem, &dynamics.torso_jacobian, i, target, inputs.weights.torso);
+        }
     }
+}
+
+/// `C_f` of a row of the feet.
+fn foot_weight(inputs: &Inputs<'_>, row: usize) -> f64 {
+    if inputs.feet.is_angular(row) { inputs.weights.foot_rotation } else { inputs.weights.feet }
 }
 
 /// Adds `weight (jacobian_i q̈ - target)²`, without its constant. Thesis (4.25)

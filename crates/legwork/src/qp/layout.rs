@@ -6,9 +6,11 @@ use legwork_qp::{Constraint, Side};
 use legwork_rbd::Model;
 
 use crate::contact::GroundPlane;
-use crate::scenario::QpForm;
+use crate::feet::FootRows;
+use crate::scenario::{QpForm, Tracking, TrackingSettings};
 
-/// The places of variables and rows in the program. Ranges that a form does not have are empty.
+/// The places of variables and rows in the program. Ranges that a form does not have are empty; in the direct form a
+/// task has rows only where it is an equality.
 #[derive(Clone, Debug)]
 pub struct Layout {
     /// The form that this is the layout of.
@@ -31,7 +33,7 @@ pub struct Layout {
     pub momentum_rows: Range<usize>,
     /// Rows of the foot accelerations (4.19).
     pub feet_rows: Range<usize>,
-    /// Row of the torso's angular acceleration (4.20).
+    /// Rows of the torso's angular acceleration (4.20).
     pub torso_rows: Range<usize>,
     /// Rows of the complementarity (4.10) (slack form).
     pub complementarity_rows: Range<usize>,
@@ -56,12 +58,14 @@ pub struct Limit {
 }
 
 impl Layout {
-    /// The layout of `form` for `model` on `ground`.
-    pub fn new(form: QpForm, model: &Model, ground: &GroundPlane) -> Self {
+    /// The layout of `form` for `model` on `ground`, with tasks as costs or equalities as in `tracking`.
+    pub fn new(form: QpForm, tracking: &TrackingSettings, model: &Model, ground: &GroundPlane) -> Self {
         let (nv, contacts, dimension) = (model.nv(), model.contacts.len(), model.linear_axes().len());
         let actuated: Vec<usize> = model.actuated().collect();
         let (forces, momenta) = (contacts * dimension, model.angular_axes().len() + dimension);
+        let (feet, torso) = (FootRows::of(model).last().map_or(0, |rows| rows.linear.end), model.angular_axes().len());
         let slack = |size: usize| if form == QpForm::Slack { size } else { 0 };
+        let task = |size: usize, task: Tracking| if task == Tracking::Equality { size } else { slack(size) };
 
         let mut next = 0;
         let mut take = |size: usize| {
@@ -69,7 +73,7 @@ impl Layout {
             next - size..next
         };
         let (qdd, rho, tau) = (take(nv), take(forces), take(slack(actuated.len())));
-        let (s_m, s_f, s_a) = (take(slack(momenta)), take(slack(forces)), take(slack(1)));
+        let (s_m, s_f, s_a) = (take(slack(momenta)), take(slack(feet)), take(slack(torso)));
 
         next = 0;
         let mut take = |size: usize| {
@@ -85,9 +89,9 @@ impl Layout {
             s_f,
             s_a,
             dynamics_rows: take(nv),
-            momentum_rows: take(momenta),
-            feet_rows: take(forces),
-            torso_rows: take(1),
+            momentum_rows: take(task(momenta, tracking.momentum)),
+            feet_rows: take(task(feet, tracking.feet)),
+            torso_rows: take(task(torso, tracking.torso)),
             complementarity_rows: take(slack(forces)),
             friction_rows: take(contacts * ground.friction_rows()),
             actuated,

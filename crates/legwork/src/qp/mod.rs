@@ -22,6 +22,7 @@ use legwork_qp::Problem;
 use legwork_rbd::{Dynamics, Model};
 
 use crate::contact::GroundPlane;
+use crate::feet::FeetMotion;
 use crate::planner::MotionGoal;
 use crate::scenario::{Limits, TrackingSettings, Weights};
 pub use layout::{Layout, Limit};
@@ -34,6 +35,8 @@ pub struct Inputs<'a> {
     pub model: &'a Model,
     /// Its dynamics in the present state.
     pub dynamics: &'a Dynamics,
+    /// The feet in the present state.
+    pub feet: &'a FeetMotion,
     /// Joint positions [rad, m].
     pub q: &'a [f64],
     /// Joint velocities [rad/s, m/s].

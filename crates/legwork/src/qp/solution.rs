@@ -1,9 +1,11 @@
 //! Reading the solution of either form.
 
+use legwork_rbd::Model;
 use nalgebra::DMatrix;
 
 use super::bounds::torque_limit;
 use super::{Inputs, Layout};
+use crate::feet::FootRows;
 use crate::scenario::QpForm;
 
 /// The optimum in physical terms.
@@ -24,31 +26,29 @@ pub struct Solution {
 pub struct Slack {
     /// `s_m`: rate of momentum, angular then linear [Nm, N].
     pub momentum: Vec<f64>,
-    /// `s_f`: accelerations of the contact points along the linear axes [m/s²].
+    /// `s_f`: accelerations of the feet, in the rows of [`crate::feet::FeetMotion`] [rad/s², m/s²].
     pub feet: Vec<f64>,
-    /// `s_a`: angular acceleration of the torso [rad/s²].
-    pub torso: f64,
+    /// `s_a`: angular acceleration of the torso along the angular axes [rad/s²].
+    pub torso: Vec<f64>,
 }
 
 impl Slack {
     /// All of them, in the order of (B.1).
     pub fn iter(&self) -> impl Iterator<Item = f64> + '_ {
-        self.momentum.iter().chain(&self.feet).copied().chain([self.torso])
+        self.momentum.iter().chain(&self.feet).chain(&self.torso).copied()
     }
 }
 
 impl Solution {
-    /// Storage for solutions of `layout`.
-    pub fn new(layout: &Layout) -> Self {
+    /// Storage for solutions of `layout` for `model`.
+    pub fn new(layout: &Layout, model: &Model) -> Self {
+        let (angular, linear) = (model.angular_axes().len(), model.linear_axes().len());
+        let feet = FootRows::of(model).last().map_or(0, |rows| rows.linear.end);
         Self {
             qdd: vec![0.0; layout.qdd.len()],
             rho: vec![0.0; layout.rho.len()],
             tau: vec![0.0; layout.actuated.len()],
-            slack: Slack {
-                momentum: vec![0.0; layout.momentum_rows.len()],
-                feet: vec![0.0; layout.feet_rows.len()],
-                torso: 0.0,
-            },
+            slack: Slack { momentum: vec![0.0; angular + linear], feet: vec![0.0; feet], torso: vec![0.0; angular] },
         }
     }
 }
@@ -60,7 +60,7 @@ impl Solution {
         self.rho.fill(0.0);
         self.slack.momentum.fill(0.0);
         self.slack.feet.fill(0.0);
-        self.slack.torso = 0.0;
+        self.slack.torso.fill(0.0);
     }
 }
 
@@ -98,7 +98,9 @@ pub fn read_solution(layout: &Layout, inputs: &Inputs<'_>, x: &[f64], solution: 
         *missed = goal.momentum_rate[i] - dynamics.momentum_bias[i] - achieved(&dynamics.momentum_matrix, i);
     }
     for (i, missed) in slack.feet.iter_mut().enumerate() {
-        *missed = goal.foot_acceleration[i] - dynamics.contact_bias[i] - achieved(&dynamics.contact_jacobian, i);
+        *missed = goal.foot_acceleration[i] - inputs.feet.bias[i] - achieved(&inputs.feet.jacobian, i);
     }
-    slack.torso = goal.torso_acceleration - dynamics.torso_bias[0] - achieved(&dynamics.torso_jacobian, 0);
+    for (i, missed) in slack.torso.iter_mut().enumerate() {
+        *missed = goal.torso_acceleration[i] - dynamics.torso_bias[i] - achieved(&dynamics.torso_jacobian, i);
+    }
 }

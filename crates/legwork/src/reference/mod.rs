@@ -1,8 +1,10 @@
 //! The reference generator (thesis 4.3.1): where the centre of mass, the torso and the feet should be.
 //!
-//! The CoM trajectory is given; the feet react to the state through the step state machine of Figure 4.2.
+//! The CoM trajectory is given. With the generator `steps` the feet react to the state through the step state machine of
+//! Figure 4.2; with `stance` all is planned beforehand.
 
 pub mod com_trajectory;
+pub mod stance;
 pub mod step;
 pub mod swing;
 pub mod xcom;
@@ -10,8 +12,9 @@ pub mod xcom;
 use nalgebra::Vector3;
 
 use crate::contact::GroundPlane;
-use crate::scenario::ReferenceSettings;
+use crate::scenario::{Generator, ReferenceSettings};
 pub use com_trajectory::ComTrajectory;
+pub use stance::Stance;
 pub use step::{Phase, StepMachine};
 
 /// Position, velocity and acceleration of a point [m, m/s, m/s²].
@@ -40,7 +43,7 @@ pub struct AngleReference {
 /// trajectory variables of the thesis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ObjectReference {
-    /// Its orientation. Point feet have none: theirs stays zero.
+    /// Its orientation about −y. Point feet have none: theirs stays zero.
     pub angle: AngleReference,
     /// Its position.
     pub point: PointReference,
@@ -70,17 +73,24 @@ pub struct Observation {
     pub touching: [bool; 2],
 }
 
-/// The reference generator with its state machine.
+/// What moves the feet.
+#[derive(Clone, Debug)]
+enum Feet {
+    Steps(StepMachine),
+    Stance(Stance),
+}
+
+/// The reference generator with its state.
 #[derive(Clone, Debug)]
 pub struct ReferenceGenerator {
     com: ComTrajectory,
     torso_angle: f64,
-    steps: StepMachine,
+    feet: Feet,
     reference: Reference,
 }
 
 impl ReferenceGenerator {
-    /// A generator that holds the feet where they start.
+    /// A generator that begins with the feet where they start.
     ///
     /// `ground_known` says whether `ground` is more than a guess; `gravity` [m/s²], `torso_angle` [rad], `start` the
     /// observation at time zero.
@@ -93,22 +103,39 @@ impl ReferenceGenerator {
         torso_angle: f64,
         start: &Observation,
     ) -> Self {
-        let steps = StepMachine::new(settings.step.clone(), ground.clone(), ground_known, gravity, start);
-        let mut generator = Self { com, torso_angle, steps, reference: Reference::default() };
+        let feet = match settings.generator {
+            Generator::Steps => {
+                Feet::Steps(StepMachine::new(settings.step.clone(), ground.clone(), ground_known, gravity, start))
+            }
+            Generator::Stance => Feet::Stance(Stance::new(settings.stance.clone(), ground.clone(), gravity, start)),
+        };
+        let mut generator = Self { com, torso_angle, feet, reference: Reference::default() };
         generator.update(start);
         generator
     }
 
-    /// The reference at the time of `observation`; moves the step state machine on.
+    /// The reference at the time of `observation`; moves the state on.
     pub fn update(&mut self, observation: &Observation) -> &Reference {
-        let com = self.com.at(observation.time);
-        self.steps.update(observation, &com);
-        self.reference.chest.point = com;
-        self.reference.chest.angle.angle = self.torso_angle;
-        for foot in 0..2 {
-            self.reference.feet[foot].point = self.steps.foot(foot, observation.time);
+        let time = observation.time;
+        let mut com = self.com.at(time);
+        let reference = &mut self.reference;
+        match &mut self.feet {
+            Feet::Steps(steps) => {
+                steps.update(observation, &com);
+                reference.feet.iter_mut().enumerate().for_each(|(foot, goal)| goal.point = steps.foot(foot, time));
+            }
+            Feet::Stance(stance) => {
+                com = stance::sum(com, stance.com_offset(time));
+                stance.update(observation, &com);
+                for (foot, goal) in reference.feet.iter_mut().enumerate() {
+                    goal.point = stance.foot(foot, time);
+                    goal.angle.angle = stance.slope();
+                }
+            }
         }
-        &self.reference
+        reference.chest.point = com;
+        reference.chest.angle.angle = self.torso_angle;
+        reference
     }
 
     /// The latest reference.
@@ -116,8 +143,22 @@ impl ReferenceGenerator {
         &self.reference
     }
 
-    /// The step state machine.
-    pub fn steps(&self) -> &StepMachine {
-        &self.steps
+    /// The foot that swings (0 right, 1 left) and since when [s], if one does.
+    pub fn swing(&self) -> Option<(usize, f64)> {
+        match &self.feet {
+            Feet::Steps(steps) => match steps.phase() {
+                Phase::DoubleSupport => None,
+                Phase::Step { foot, since, .. } => Some((foot, since)),
+            },
+            Feet::Stance(stance) => stance.swing(),
+        }
+    }
+
+    /// The extrapolated centre of mass along x as of the latest update [m].
+    pub fn xcom(&self) -> f64 {
+        match &self.feet {
+            Feet::Steps(steps) => steps.xcom(),
+            Feet::Stance(stance) => stance.xcom(),
+        }
     }
 }

@@ -3,6 +3,7 @@
 //! The loop stays open, so states and references are those of the finished run (the step state machine and the
 //! trajectory see nothing but the state), and what differs is the program's doing.
 
+use legwork_rbd::Dynamics;
 use serde::Serialize;
 
 use super::statistics::root_mean_square;
@@ -51,19 +52,22 @@ pub fn replay(run: &Run, sets: &[String]) -> Result<Replay, Error> {
         touching: run.log.get(index, Field::Touching).iter().map(|&flag| flag != 0.0).collect(),
     };
     let mut controller = Controller::new(&scenario, &model, &samples, &estimate(0))?;
+    let mut dynamics = Dynamics::new(&model);
     let weight = model.total_mass() * model.gravity;
     let (angular, dimension) = (model.angular_axes().len(), model.linear_axes().len());
     let (mut vertical, mut linear, mut swing, mut asked, mut stance) = (0.0, vec![], vec![], vec![], vec![]);
     let (mut torque_difference_nm, mut fallbacks) = (0.0_f64, 0);
     for index in 0..run.log.len() {
-        controller.tick(&estimate(index));
+        let estimate = estimate(index);
+        dynamics.update(&model, &estimate.q, &estimate.v);
+        controller.tick(&estimate, &dynamics);
         let (tick, goal) = (controller.latest(), controller.planner().goal());
         let slack = &tick.solution.slack;
         vertical += slack.momentum[angular + dimension - 1];
         linear.extend_from_slice(&slack.momentum[angular..]);
-        for (contact, point) in model.contacts.iter().enumerate() {
-            let rows = contact * dimension..(contact + 1) * dimension;
-            if controller.steps().swing_foot() == Some(point.foot) {
+        for foot in 0..model.feet.len() {
+            let rows = controller.feet().rows(foot).linear.clone();
+            if controller.swing().is_some_and(|(swinging, _)| swinging == foot) {
                 swing.extend_from_slice(&slack.feet[rows.clone()]);
                 asked.extend_from_slice(&goal.foot_acceleration.as_slice()[rows]);
             } else {

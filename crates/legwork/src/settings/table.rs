@@ -27,6 +27,8 @@ const TRACKING: &[&str] = &["cost", "equality"];
 const POINT: [Column; 3] =
     [Column::new("x", -10.0, 10.0), Column::new("y", -10.0, 10.0), Column::new("z", -10.0, 10.0)];
 
+const SWAY: [Column; 3] = [Column::new("x", -1.0, 1.0), Column::new("y", -1.0, 1.0), Column::new("z", -1.0, 1.0)];
+
 const fn setting(path: &'static str, valid: Valid, source: &'static str, help: &'static str) -> Setting {
     Setting { path, symbol: "", unit: "", valid, source, help }
 }
@@ -51,6 +53,10 @@ const fn choice(
 }
 
 impl Setting {
+    const fn measured_in(self, unit: &'static str) -> Self {
+        Self { unit, ..self }
+    }
+
     const fn called(self, symbol: &'static str) -> Self {
         Self { symbol, ..self }
     }
@@ -66,6 +72,7 @@ pub const SETTINGS: &[Setting] = &[
     //
     number("start.right_foot_x_m", "m", PLACE, FITTED, "Place of the right foot."),
     number("start.left_foot_x_m", "m", PLACE, FITTED, "Place of the left foot."),
+    number("start.feet_width_m", "m", [0.0, 2.0], OURS, "Distance of the feet along y; robots in space only."),
     number("start.com_x_m", "m", PLACE, FITTED, "Place of the centre of mass."),
     number("start.com_height_m", "m", [0.05, 5.0], FITTED, "Height of the centre of mass above the ground below it."),
     number(
@@ -80,6 +87,12 @@ pub const SETTINGS: &[Setting] = &[
     number("ground.slope_deg", "deg", SLOPE, "thesis, flat ground", "Slope, upward in x.").called("theta"),
     setting("ground.known", Valid::Bool, OURS, "Whether the controller is given the true friction and slope."),
     //
+    choice(
+        "reference.generator",
+        &["steps", "stance"],
+        OURS,
+        "Steps after a moving centre of mass (thesis 4.3.1), or planned standing, swaying, squatting, lifting a foot.",
+    ),
     choice(
         "reference.com.trajectory",
         &["stationary", "constant-velocity", "waypoints", "file"],
@@ -123,6 +136,27 @@ pub const SETTINGS: &[Setting] = &[
     number("reference.step.max_delay_m", "m", LENGTH, FITTED, "The most that it may leave it."),
     choice("reference.step.replan", &["never", "in-swing"], GENERATOR, "When the step length is planned again."),
     //
+    setting(
+        "reference.stance.sway_m",
+        Valid::Row(&SWAY),
+        OURS,
+        "Amplitude of the sway of the centre of mass along x, y, z.",
+    )
+    .measured_in("m"),
+    number("reference.stance.squat_m", "m", [0.0, 1.0], OURS, "Depth of a squat."),
+    number("reference.stance.period_s", "s", [0.1, 100.0], OURS, "Time of one sway and one squat."),
+    choice("reference.stance.lift", &["none", "right", "left"], OURS, "Which foot is lifted."),
+    number(
+        "reference.stance.lift_start_s",
+        "s",
+        ANY_TIME,
+        OURS,
+        "When the centre of mass begins to move above the other foot.",
+    ),
+    number("reference.stance.lift_duration_s", "s", SOME_TIME, OURS, "How long the foot is off the ground."),
+    number("reference.stance.lift_height_m", "m", [0.0, 1.0], OURS, "How high it is lifted."),
+    number("reference.stance.swing_m", "m", [0.0, 1.0], OURS, "How far it swings forward and back."),
+    //
     number("controller.period_s", "s", PERIOD, OURS, "Time between two ticks; a whole multiple of the physics period."),
     choice("controller.form", &["direct", "slack"], OURS, "Form of the quadratic program; both have one optimum."),
     number(
@@ -138,6 +172,13 @@ pub const SETTINGS: &[Setting] = &[
         .called("P_theta"),
     number("controller.planner.com_gain", "N/m", GAIN, FINAL, "CoM error to force.").called("P_C"),
     number("controller.planner.foot_gain", "1/s²", GAIN, FINAL, "Foot error to acceleration.").called("P_f"),
+    number(
+        "controller.planner.foot_rotation_gain",
+        "1/s²",
+        GAIN,
+        OURS,
+        "Foot orientation error to angular acceleration; feet with several contact points.",
+    ),
     number("controller.planner.torso_gain", "1/s²", GAIN, FITTED, "Torso angle error to angular acceleration.")
         .called("P_a"),
     choice(
@@ -160,7 +201,21 @@ pub const SETTINGS: &[Setting] = &[
     number("controller.weights.grf", "", POSITIVE_WEIGHT, FINAL, "Weight of ground reaction forces.").called("C_rho"),
     number("controller.weights.torque", "", WEIGHT, FINAL, "Weight of joint torques.").called("C_tau"),
     number("controller.weights.momentum", "", WEIGHT, FINAL, "Weight of the momentum rate's error.").called("C_m"),
+    number(
+        "controller.weights.angular_momentum_factor",
+        "",
+        WEIGHT,
+        OURS,
+        "What the angular rows of the momentum weigh against the linear ones.",
+    ),
     number("controller.weights.feet", "", WEIGHT, FINAL, "Weight of the feet's acceleration error.").called("C_f"),
+    number(
+        "controller.weights.foot_rotation",
+        "",
+        WEIGHT,
+        OURS,
+        "Weight of the angular acceleration error of feet with several contact points.",
+    ),
     number("controller.weights.torso", "", WEIGHT, FINAL, "Weight of the torso's angular acceleration error.")
         .called("C_a"),
     number(
@@ -265,6 +320,13 @@ pub const SETTINGS: &[Setting] = &[
     //
     number("pushes.N.force_n", "N", [-1e6, 1e6], OURS, "Size of the force."),
     number("pushes.N.direction_deg", "deg", [-360.0, 360.0], OURS, "0 is forward, 90 up, 180 backward."),
+    number(
+        "pushes.N.heading_deg",
+        "deg",
+        [-360.0, 360.0],
+        OURS,
+        "How far it is turned to the left about z; robots in space only.",
+    ),
     number("pushes.N.start_s", "s", ANY_TIME, OURS, "When it begins."),
     number("pushes.N.duration_s", "s", SOME_TIME, OURS, "How long it lasts."),
     setting("pushes.N.at", Valid::Text, OURS, "\"com\" or the name of a body."),

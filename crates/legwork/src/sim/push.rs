@@ -43,7 +43,12 @@ impl Pushes {
                 Place::Body { body, point: model.bodies[body].com + Vector3::from(push.point_m) }
             };
             let (sin, cos) = libm::sincos(push.direction_deg.to_radians());
-            Ok((push.clone(), place, push.force_n * Vector3::new(cos, 0.0, sin)))
+            let (left, ahead) = libm::sincos(push.heading_deg.to_radians());
+            if model.is_planar() && left != 0.0 {
+                let problem = format!("found {}; valid is 0 for a planar robot", push.heading_deg);
+                return Err(Error::invalid(format!("pushes.{index}.heading_deg"), problem));
+            }
+            Ok((push.clone(), place, push.force_n * Vector3::new(cos * ahead, cos * left, sin)))
         };
         let pushes = pushes.iter().enumerate().map(resolve).collect::<Result<_, Error>>()?;
         Ok(Self { pushes, jacobian: DMatrix::zeros(model.linear_axes().len(), model.nv()) })

@@ -242,7 +242,8 @@ fn phases(run: &Run) -> Vec<Check> {
 
 fn slack_has_more_rows(run: &Run) -> Check {
     let ground = GroundPlane::of(&run.scenario.ground, &run.model);
-    let [direct, slack] = [QpForm::Direct, QpForm::Slack].map(|form| Layout::new(form, &run.model, &ground));
+    let [direct, slack] = [QpForm::Direct, QpForm::Slack]
+        .map(|form| Layout::new(form, &run.scenario.controller.tracking, &run.model, &ground));
     let size = |layout: &Layout| format!("{} variables and {} rows", layout.variables(), layout.rows());
     let finding = format!("slack form {}, direct form {}", size(&slack), size(&direct));
     Check::new(slack.rows() > direct.rows(), finding)

@@ -1,0 +1,174 @@
+//! The feet as rigid bodies, whatever the number of their contact points: where each is, how it moves, and its Jacobian.
+//!
+//! A foot's place is the centre of its contact points; with one point only it has no orientation (a point foot). The
+//! rows of a foot are its angular axes, if it has an orientation, then its linear axes; right foot before left.
+
+use std::ops::Range;
+
+use legwork_rbd::{Dynamics, Model};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+/// The rows of one foot.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FootRows {
+    /// Along the model's angular axes; empty for a point foot.
+    pub angular: Range<usize>,
+    /// Along the model's linear axes.
+    pub linear: Range<usize>,
+}
+
+impl FootRows {
+    /// The rows of each foot of `model`.
+    pub fn of(model: &Model) -> Vec<Self> {
+        let (axes, linear) = (model.angular_axes().len(), model.linear_axes().len());
+        let mut next = 0;
+        let mut take = |size: usize| {
+            next += size;
+            next - size..next
+        };
+        (0..model.feet.len())
+            .map(|foot| {
+                let points = model.contacts.iter().filter(|contact| contact.foot == foot).count();
+                let angular = take(if points > 1 { axes } else { 0 });
+                Self { angular, linear: take(linear) }
+            })
+            .collect()
+    }
+
+    /// All of them.
+    pub fn all(&self) -> Range<usize> {
+        self.angular.start..self.linear.end
+    }
+}
+
+/// A foot of the model.
+#[derive(Clone, Debug)]
+struct Foot {
+    body: usize,
+    contacts: Vec<usize>,
+    rows: FootRows,
+}
+
+/// Where the feet are and how they move; preallocated. Valid after [`FeetMotion::update`].
+#[derive(Clone, Debug)]
+pub struct FeetMotion {
+    feet: Vec<Foot>,
+    /// Centre of each foot's contact points [m].
+    pub position: Vec<Vector3<f64>>,
+    /// Its velocity [m/s].
+    pub velocity: Vec<Vector3<f64>>,
+    /// Orientation of each foot's body: `world_from_foot`.
+    pub rotation: Vec<Matrix3<f64>>,
+    /// Its angular velocity [rad/s].
+    pub angular_velocity: Vec<Vector3<f64>>,
+    /// Jacobian of all rows (rows × nv).
+    pub jacobian: DMatrix<f64>,
+    /// Its `J̇ v` (rows) [rad/s², m/s²].
+    pub bias: DVector<f64>,
+    angular: DMatrix<f64>,
+}
+
+impl FeetMotion {
+    /// Storage for `model`.
+    pub fn new(model: &Model) -> Self {
+        let foot = |(index, rows): (usize, FootRows)| {
+            let contacts: Vec<usize> =
+                (0..model.contacts.len()).filter(|&contact| model.contacts[contact].foot == index).collect();
+            Foot { body: contacts.first().map_or(0, |&contact| model.contacts[contact].body), contacts, rows }
+        };
+        let feet: Vec<Foot> = FootRows::of(model).into_iter().enumerate().map(foot).collect();
+        let (count, rows) = (feet.len(), feet.last().map_or(0, |foot| foot.rows.linear.end));
+        Self {
+            feet,
+            position: vec![Vector3::zeros(); count],
+            velocity: vec![Vector3::zeros(); count],
+            rotation: vec![Matrix3::identity(); count],
+            angular_velocity: vec![Vector3::zeros(); count],
+            jacobian: DMatrix::zeros(rows, model.nv()),
+            bias: DVector::zeros(rows),
+            angular: DMatrix::zeros(model.angular_axes().len(), model.nv()),
+        }
+    }
+
+    /// The rows of a foot.
+    pub fn rows(&self, foot: usize) -> &FootRows {
+        &self.feet[foot].rows
+    }
+
+    /// Whether a row is one of a foot's orientation.
+    pub fn is_angular(&self, row: usize) -> bool {
+        self.feet.iter().any(|foot| foot.rows.angular.contains(&row))
+    }
+
+    /// The contact points of a foot, by their place in the model.
+    pub fn contacts(&self, foot: usize) -> &[usize] {
+        &self.feet[foot].contacts
+    }
+
+    /// Takes the feet from the `dynamics` of `model`. Allocates nothing.
+    pub fn update(&mut self, model: &Model, dynamics: &Dynamics) {
+        let d = model.linear_axes().len();
+        for (index, foot) in self.feet.iter().enumerate() {
+            let share = 1.0 / foot.contacts.len() as f64;
+            let centre =
+                |points: &[Vector3<f64>]| share * foot.contacts.iter().map(|&k| points[k]).sum::<Vector3<f64>>();
+            self.position[index] = centre(&dynamics.contact_positions);
+            self.velocity[index] = centre(&dynamics.contact_velocities);
+            self.rotation[index] = dynamics.world_from_body[foot.body].rotation;
+            self.angular_velocity[index] = dynamics.body_velocity[foot.body].angular;
+            for (axis, row) in foot.rows.linear.clone().enumerate() {
+                self.bias[row] =
+                    share * foot.contacts.iter().map(|&k| dynamics.contact_bias[k * d + axis]).sum::<f64>();
+                for j in 0..model.nv() {
+                    let of = |&k: &usize| dynamics.contact_jacobian[(k * d + axis, j)];
+                    self.jacobian[(row, j)] = share * foot.contacts.iter().map(of).sum::<f64>();
+                }
+            }
+            if foot.rows.angular.is_empty() {
+                continue;
+            }
+            dynamics.angular_jacobian(model, foot.body, &mut self.angular);
+            let bias = dynamics.angular_bias(foot.body);
+            for (axis, row) in foot.rows.angular.clone().enumerate() {
+                self.bias[row] = model.angular_axes()[axis].dot(&bias);
+                for j in 0..model.nv() {
+                    self.jacobian[(row, j)] = self.angular[(axis, j)];
+                }
+            }
+        }
+    }
+}
+
+/// The rotation vector, in the world [rad], that turns `from` into `to`.
+pub fn rotation_error(from: &Matrix3<f64>, to: &Matrix3<f64>) -> Vector3<f64> {
+    let turn = to * from.transpose();
+    let axis =
+        0.5 * Vector3::new(turn[(2, 1)] - turn[(1, 2)], turn[(0, 2)] - turn[(2, 0)], turn[(1, 0)] - turn[(0, 1)]);
+    let (sine, cosine) = (axis.norm(), 0.5 * (turn.trace() - 1.0));
+    if sine > 1e-12 { axis * (libm::atan2(sine, cosine) / sine) } else { axis }
+}
+
+/// The rotation by `angle` [rad] about −y, counter-clockwise as seen with x to the right and z up.
+pub fn pitched(angle: f64) -> Matrix3<f64> {
+    let (sin, cos) = libm::sincos(angle);
+    Matrix3::new(cos, 0.0, -sin, 0.0, 1.0, 0.0, sin, 0.0, cos)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rotation_error_is_what_turns_one_into_the_other() {
+        for (from, to) in [(0.2, 0.5), (-1.0, 2.0), (0.3, 0.3)] {
+            let error = rotation_error(&pitched(from), &pitched(to));
+            assert!((error - Vector3::new(0.0, -(to - from), 0.0)).norm() < 1e-14, "{from} to {to}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_pitched_axis_turns_upward() {
+        let x = pitched(0.1) * Vector3::x();
+        assert!((x.z - libm::sin(0.1)).abs() < 1e-15 && x.y == 0.0);
+    }
+}
