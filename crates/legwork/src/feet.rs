@@ -95,11 +95,6 @@ impl FeetMotion {
         &self.feet[foot].rows
     }
 
-    /// Whether a row is one of a foot's orientation.
-    pub fn is_angular(&self, row: usize) -> bool {
-        self.feet.iter().any(|foot| foot.rows.angular.contains(&row))
-    }
-
     /// The contact points of a foot, by their place in the model.
     pub fn contacts(&self, foot: usize) -> &[usize] {
         &self.feet[foot].contacts

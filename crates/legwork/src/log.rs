@@ -78,7 +78,8 @@ pub struct Column {
 #[derive(Clone, Debug)]
 pub struct Log {
     columns: Vec<Column>,
-    fields: Vec<(Field, Range<usize>)>,
+    /// The columns of each field, in the order of [`Field`].
+    fields: Vec<Range<usize>>,
     values: Vec<f64>,
     /// The foot of each contact point.
     foot_of: Vec<usize>,
@@ -92,7 +93,8 @@ impl Log {
         for (field, columns) in schema(model, layout) {
             let start = log.columns.len();
             log.columns.extend(columns.into_iter().map(|(name, unit)| Column { name, unit }));
-            log.fields.push((field, start..log.columns.len()));
+            assert_eq!(field as usize, log.fields.len(), "the schema has the order of the fields");
+            log.fields.push(start..log.columns.len());
         }
         log.values.reserve_exact(records * log.columns.len());
         log
@@ -115,7 +117,7 @@ impl Log {
 
     /// The columns of `field`.
     pub fn range(&self, field: Field) -> Range<usize> {
-        self.fields.iter().find(|(name, _)| *name == field).map_or(0..0, |(_, range)| range.clone())
+        self.fields[field as usize].clone()
     }
 
     /// The values of `field` in record `index`.
@@ -183,7 +185,7 @@ impl Log {
 /// A record that is being filled.
 #[derive(Debug)]
 pub struct Record<'a> {
-    fields: &'a [(Field, Range<usize>)],
+    fields: &'a [Range<usize>],
     values: &'a mut [f64],
 }
 
@@ -199,7 +201,7 @@ impl Record<'_> {
     }
 
     fn each(&mut self, field: Field, values: impl IntoIterator<Item = f64>, write: impl Fn(&mut f64, f64)) {
-        let range = self.fields.iter().find(|(name, _)| *name == field).expect("every field has columns").1.clone();
+        let range = self.fields[field as usize].clone();
         let mut slots = self.values[range].iter_mut();
         let mut values = values.into_iter();
         loop {

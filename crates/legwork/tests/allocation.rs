@@ -11,6 +11,8 @@ fn no_allocation_in_tick_or_step() {
         ("walk", vec![]),
         ("push", vec![]),
         ("push", vec!["controller.form=slack".to_owned(), "duration_s=1.5".to_owned()]),
+        ("exo-sway", vec![]),
+        ("exo-lift", vec![]),
         ("push-baseline", vec![]), // falls, with programs that have no solution as they stand
         (
             "walk",

@@ -14,11 +14,9 @@ pub fn dynamics(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
     for dof in 0..layout.qdd.len() {
         let index = layout.dynamics_rows.start + dof;
         let row = problem.row_mut(index);
-        for j in 0..layout.qdd.len() {
-            row[layout.qdd.start + j] = dynamics.mass_matrix[(dof, j)];
-        }
-        for k in 0..layout.rho.len() {
-            row[layout.rho.start + k] = -dynamics.contact_jacobian[(k, dof)];
+        row[layout.qdd.clone()].copy_from_slice(column(&dynamics.mass_matrix, dof)); // symmetric
+        for (entry, jacobian) in row[layout.rho.clone()].iter_mut().zip(column(&dynamics.contact_jacobian, dof)) {
+            *entry = -jacobian;
         }
         equality(problem, index, -(dynamics.bias[dof] + dynamics.damping[dof]));
     }
@@ -107,6 +105,11 @@ pub fn complementarity(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Probl
         problem.row_mut(index)[layout.rho.start + k] = if in_contact { 0.0 } else { 1.0 };
         equality(problem, index, 0.0);
     }
+}
+
+/// A column of a matrix.
+pub(super) fn column(matrix: &DMatrix<f64>, j: usize) -> &[f64] {
+    &matrix.as_slice()[j * matrix.nrows()..(j + 1) * matrix.nrows()]
 }
 
 fn equality(problem: &mut Problem, row: usize, value: f64) {

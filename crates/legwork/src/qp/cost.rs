@@ -1,5 +1,7 @@
 //! The cost. Thesis (4.23) and (4.28); `xᵀ C x` becomes `1/2 xᵀ (2C) x` of the standard form (B.3).
 
+use std::ops::Range;
+
 use legwork_qp::Problem;
 use nalgebra::DMatrix;
 
@@ -42,68 +44,76 @@ pub fn operating(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
 /// Tracking cost. Thesis (4.28), or (4.24) in the direct form.
 pub fn tracking(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
     let (dynamics, feet, goal) = (inputs.dynamics, inputs.feet, inputs.goal);
-    let tasks = inputs.tracking;
+    let (weights, tasks) = (inputs.weights, inputs.tracking);
     let soft = |task: Tracking| task == Tracking::Cost || inputs.relaxed.tasks;
-    let angular = inputs.model.angular_axes().len();
-    let momentum_weight = |row: usize| {
-        let factor = if row < angular { inputs.weights.angular_momentum_factor } else { 1.0 };
-        factor * inputs.weights.momentum // C_m
+    let slack_form = layout.form == QpForm::Slack;
+    let mut task = |rows: Range<usize>, slack: &Range<usize>, weight: f64, task: &Errors<'_>| {
+        if slack_form {
+            let n = problem.n();
+            for variable in rows.map(|row| slack.start + row) {
+                problem.hessian_mut()[variable * n + variable] += 2.0 * weight;
+            }
+        } else if soft(task.tracking) {
+            squared_errors(layout, problem, task, rows, weight);
+        }
     };
 
-    if layout.form == QpForm::Slack {
-        let n = problem.n();
-        let hessian = problem.hessian_mut();
-        for (range, weight) in [
-            (&layout.s_m, &momentum_weight as &dyn Fn(usize) -> f64),
-            (&layout.s_f, &|i| foot_weight(inputs, i)),
-            (&layout.s_a, &|_| inputs.weights.torso),
-        ] {
-            for (i, variable) in range.clone().enumerate() {
-                hessian[variable * n + variable] += 2.0 * weight(i);
-            }
-        }
-        return;
+    let momentum = Errors {
+        tracking: tasks.momentum,
+        jacobian: &dynamics.momentum_matrix,
+        goal: goal.momentum_rate.as_slice(),
+        bias: dynamics.momentum_bias.as_slice(),
+    };
+    let (angular, all) = (inputs.model.angular_axes().len(), momentum.goal.len());
+    task(0..angular, &layout.s_m, weights.angular_momentum_factor * weights.momentum, &momentum);
+    task(angular..all, &layout.s_m, weights.momentum, &momentum);
+
+    let errors = Errors {
+        tracking: tasks.feet,
+        jacobian: &feet.jacobian,
+        goal: goal.foot_acceleration.as_slice(),
+        bias: feet.bias.as_slice(),
+    };
+    for foot in 0..inputs.model.feet.len() {
+        let rows = feet.rows(foot);
+        task(rows.angular.clone(), &layout.s_f, weights.foot_rotation, &errors);
+        task(rows.linear.clone(), &layout.s_f, weights.feet, &errors);
     }
-    if soft(tasks.momentum) {
-        for i in 0..goal.momentum_rate.len() {
-            let target = goal.momentum_rate[i] - dynamics.momentum_bias[i];
-            squared_error(layout, problem, &dynamics.momentum_matrix, i, target, momentum_weight(i));
-        }
-    }
-    if soft(tasks.feet) {
-        for i in 0..goal.foot_acceleration.len() {
-            let target = goal.foot_acceleration[i] - feet.bias[i];
-            squared_error(layout, problem, &feet.jacobian, i, target, foot_weight(inputs, i));
-        }
-    }
-    if soft(tasks.torso) {
-        for i in 0..goal.torso_acceleration.len() {
-            let target = goal.torso_acceleration[i] - dynamics.torso_bias[i];
-            squared_error(layout, problem, &dynamics.torso_jacobian, i, target, inputs.weights.torso);
-        }
-    }
+
+    let torso = Errors {
+        tracking: tasks.torso,
+        jacobian: &dynamics.torso_jacobian,
+        goal: goal.torso_acceleration.as_slice(),
+        bias: dynamics.torso_bias.as_slice(),
+    };
+    task(0..angular, &layout.s_a, weights.torso, &torso);
 }
 
-/// `C_f` of a row of the feet.
-fn foot_weight(inputs: &Inputs<'_>, row: usize) -> f64 {
-    if inputs.feet.is_angular(row) { inputs.weights.foot_rotation } else { inputs.weights.feet }
+/// A task: `goal - bias - jacobian q̈` is what it is missed by.
+struct Errors<'a> {
+    tracking: Tracking,
+    jacobian: &'a DMatrix<f64>,
+    goal: &'a [f64],
+    bias: &'a [f64],
 }
 
-/// Adds `weight (jacobian_i q̈ - target)²`, without its constant. Thesis (4.25)
-fn squared_error(layout: &Layout, problem: &mut Problem, jacobian: &DMatrix<f64>, i: usize, target: f64, weight: f64) {
-    let (n, nv) = (problem.n(), layout.qdd.len());
-    let hessian = problem.hessian_mut();
+/// Adds `weight |goal - bias - jacobian q̈|²` over `rows`, without its constant. Thesis (4.25)
+fn squared_errors(layout: &Layout, problem: &mut Problem, task: &Errors<'_>, rows: Range<usize>, weight: f64) {
+    let (n, nv, height) = (problem.n(), layout.qdd.len(), task.jacobian.nrows());
+    let column = |j: usize| &task.jacobian.as_slice()[j * height..][rows.clone()];
     for j in 0..nv {
-        let scaled = 2.0 * weight * jacobian[(i, j)];
-        if scaled == 0.0 {
+        let own = column(j);
+        if own.iter().all(|&entry| entry == 0.0) {
             continue;
         }
-        for k in 0..nv {
-            hessian[j * n + k] += scaled * jacobian[(i, k)];
+        for k in 0..=j {
+            let product = 2.0 * weight * own.iter().zip(column(k)).map(|(a, b)| a * b).sum::<f64>();
+            problem.hessian_mut()[j * n + k] += product;
+            if k < j {
+                problem.hessian_mut()[k * n + j] += product;
+            }
         }
-    }
-    let gradient = problem.gradient_mut();
-    for j in 0..nv {
-        gradient[j] -= 2.0 * weight * jacobian[(i, j)] * target;
+        let errors = task.goal[rows.clone()].iter().zip(&task.bias[rows.clone()]).map(|(goal, bias)| goal - bias);
+        problem.gradient_mut()[j] -= 2.0 * weight * own.iter().zip(errors).map(|(a, e)| a * e).sum::<f64>();
     }
 }

@@ -43,6 +43,8 @@ pub struct Layout {
     pub actuated: Vec<usize>,
     /// The limits that can be active, in the order of [`Layout::limit`].
     limits: Vec<Limit>,
+    /// For each row, then each variable's bounds, its place in `limits`.
+    limit_of: Vec<Option<usize>>,
     dimension: usize,
     friction_rows_per_contact: usize,
 }
@@ -96,10 +98,16 @@ impl Layout {
             friction_rows: take(contacts * ground.friction_rows()),
             actuated,
             limits: Vec::new(),
+            limit_of: Vec::new(),
             dimension,
             friction_rows_per_contact: ground.friction_rows(),
         };
         layout.limits = layout.all_limits(model);
+        layout.limit_of = vec![None; layout.rows() + layout.variables()];
+        for index in 0..layout.limits.len() {
+            let place = layout.place(layout.limits[index].constraint);
+            layout.limit_of[place] = Some(index);
+        }
         layout
     }
 
@@ -130,7 +138,14 @@ impl Layout {
 
     /// The place in [`Layout::limits`] of a constraint that the solver names, where it is a limit.
     pub fn limit(&self, constraint: Constraint) -> Option<usize> {
-        self.limits.iter().position(|limit| limit.constraint == constraint)
+        self.limit_of[self.place(constraint)]
+    }
+
+    fn place(&self, constraint: Constraint) -> usize {
+        match constraint {
+            Constraint::Row(row) => row,
+            Constraint::Bound(variable) => self.rows() + variable,
+        }
     }
 
     /// What a constraint that the solver names means, as in `torque right_knee` or `task feet`.

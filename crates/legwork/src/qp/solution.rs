@@ -1,9 +1,10 @@
 //! Reading the solution of either form.
 
 use legwork_rbd::Model;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::bounds::torque_limit;
+use super::constraints::column;
 use super::{Inputs, Layout};
 use crate::feet::FootRows;
 use crate::scenario::QpForm;
@@ -77,11 +78,11 @@ pub fn read_solution(layout: &Layout, inputs: &Inputs<'_>, x: &[f64], solution: 
             QpForm::Direct => {
                 // Thesis (4.22)
                 let mut torque = dynamics.bias[dof] + dynamics.damping[dof];
-                for j in 0..solution.qdd.len() {
-                    torque += dynamics.mass_matrix[(dof, j)] * solution.qdd[j];
+                for (m, qdd) in column(&dynamics.mass_matrix, dof).iter().zip(&solution.qdd) {
+                    torque += m * qdd; // M is symmetric
                 }
-                for k in 0..solution.rho.len() {
-                    torque -= dynamics.contact_jacobian[(k, dof)] * solution.rho[k];
+                for (jacobian, rho) in column(&dynamics.contact_jacobian, dof).iter().zip(&solution.rho) {
+                    torque -= jacobian * rho;
                 }
                 torque
             }
@@ -89,18 +90,21 @@ pub fn read_solution(layout: &Layout, inputs: &Inputs<'_>, x: &[f64], solution: 
         let limit = torque_limit(inputs, dof);
         solution.tau[index] = torque.clamp(-limit, limit);
     }
+    let (goal, feet, slack) = (inputs.goal, inputs.feet, &mut solution.slack);
     let qdd = &solution.qdd;
-    let achieved =
-        |jacobian: &DMatrix<f64>, i: usize| -> f64 { (0..qdd.len()).map(|j| jacobian[(i, j)] * qdd[j]).sum() };
-    let goal = inputs.goal;
-    let slack = &mut solution.slack;
-    for (i, missed) in slack.momentum.iter_mut().enumerate() {
-        *missed = goal.momentum_rate[i] - dynamics.momentum_bias[i] - achieved(&dynamics.momentum_matrix, i);
+    missed(&mut slack.momentum, goal.momentum_rate.as_slice(), &dynamics.momentum_matrix, qdd, &dynamics.momentum_bias);
+    missed(&mut slack.feet, goal.foot_acceleration.as_slice(), &feet.jacobian, qdd, &feet.bias);
+    missed(&mut slack.torso, goal.torso_acceleration.as_slice(), &dynamics.torso_jacobian, qdd, &dynamics.torso_bias);
+}
+
+/// `slack = goal - jacobian q̈ - bias`.
+fn missed(slack: &mut [f64], goal: &[f64], jacobian: &DMatrix<f64>, qdd: &[f64], bias: &DVector<f64>) {
+    for ((slack, goal), bias) in slack.iter_mut().zip(goal).zip(bias.iter()) {
+        *slack = goal - bias;
     }
-    for (i, missed) in slack.feet.iter_mut().enumerate() {
-        *missed = goal.foot_acceleration[i] - inputs.feet.bias[i] - achieved(&inputs.feet.jacobian, i);
-    }
-    for (i, missed) in slack.torso.iter_mut().enumerate() {
-        *missed = goal.torso_acceleration[i] - dynamics.torso_bias[i] - achieved(&dynamics.torso_jacobian, i);
+    for (j, acceleration) in qdd.iter().enumerate() {
+        for (slack, entry) in slack.iter_mut().zip(column(jacobian, j)) {
+            *slack -= entry * acceleration;
+        }
     }
 }
