@@ -1,20 +1,24 @@
-//! Project tasks: `cargo xtask test` does all that must pass.
+//! Project tasks: `cargo xtask test` does all that must pass, `cargo xtask count-instructions` a part of it.
 
 mod browser;
+mod count_instructions;
 
 use std::env;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 
-const USAGE: &str = "usage: cargo xtask test
+const USAGE: &str = "usage: cargo xtask test | count-instructions [--write]
 
-  test   format, lint, documentation, all Rust tests and doc tests, and the report in a real browser;
-         ends with the sum alone on a line";
+  test                 format, lint, documentation, all Rust tests and doc tests, the report in a real browser, and
+                       the instructions; ends with the sum alone on a line
+  count-instructions   the instructions of tick, step, solve and dynamics beside those of bench/instructions.toml;
+                       with --write they become those";
 
 fn main() -> ExitCode {
     match env::args().nth(1).as_deref() {
         Some("test") => test(),
+        Some("count-instructions") => count_instructions::run(&env::args().skip(2).collect::<Vec<_>>()),
         Some("help" | "--help" | "-h") => {
             say(USAGE);
             ExitCode::SUCCESS
@@ -34,6 +38,11 @@ pub(crate) struct Sum {
 }
 
 impl Sum {
+    /// Whether nothing failed.
+    pub(crate) fn is_passed(&self) -> bool {
+        self.failed == 0
+    }
+
     /// Counts one check.
     pub(crate) fn count(&mut self, name: &str, passed: bool) {
         if passed {
@@ -63,9 +72,11 @@ fn test() -> ExitCode {
     rust_tests(&mut sum);
     say("== report in a browser");
     browser::test(&mut sum);
+    say("== instructions");
+    count_instructions::compare(&mut sum);
     say("");
     say(&format!("{} passed, {} failed", sum.passed, sum.failed));
-    if sum.failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    if sum.is_passed() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// Runs all tests in the release profile and adds up the harnesses' own counts.

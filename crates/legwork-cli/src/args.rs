@@ -80,6 +80,19 @@ Exit code: 0 done (what does not hold is a result), 1 a file could not be read
 or written, 2 wrong invocation or input, 130 interrupted (Ctrl-C keeps what
 was finished).";
 
+const BENCH_HELP: &str = "\
+Examples:
+  legwork bench
+  legwork bench push --set controller.form=slack --seconds 1
+  legwork bench --growth --seconds 1 --plot growth.svg
+
+Times are those of this machine: leave it alone meanwhile. Each figure is the
+median of several rounds, so that one disturbed round does not matter.
+docs/benchmarks.md explains each.
+
+Exit code: 0 done, 1 a file could not be written, 2 wrong invocation or input,
+130 interrupted (Ctrl-C keeps the rounds that were finished).";
+
 /// Finds out what a biped's controller can survive, and why it fell.
 ///
 /// Without a command: runs the thesis's two experiments, prints each published figure beside the measured one, and
@@ -113,6 +126,9 @@ pub(crate) enum Command {
     /// Find settings that better a design, and judge them in cases that the search has not seen
     #[command(after_help = TUNE_HELP)]
     Tune(TuneArgs),
+    /// Measure legwork on this machine: control tick and its parts, simulation step, rollouts, threads, growth with size
+    #[command(after_help = BENCH_HELP)]
+    Bench(BenchArgs),
     /// List models, scenarios, studies, and every setting with unit, default, range and source
     #[command(after_help = "Example:\n  legwork list settings")]
     List(ListArgs),
@@ -293,6 +309,34 @@ pub(crate) struct TuneArgs {
     /// Print a JSON object instead of tables
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Options of `bench`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct BenchArgs {
+    /// Built-in scenarios or TOML files; walk and push by default
+    #[arg(value_name = "SCENARIO")]
+    pub(crate) scenarios: Vec<String>,
+    /// Change a setting of every scenario
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub(crate) sets: Vec<String>,
+    /// About how long to measure each scenario, or the growth
+    #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = seconds)]
+    pub(crate) seconds: f64,
+    /// How tick and step grow with degrees of freedom and contact points, on robots made for that
+    #[arg(long, conflicts_with_all = ["scenarios", "sets"])]
+    pub(crate) growth: bool,
+    /// Draw the growth into an SVG file
+    #[arg(long, value_name = "FILE.svg", requires = "growth")]
+    pub(crate) plot: Option<PathBuf>,
+    /// Print a JSON object instead of tables
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| (0.1..=3600.0).contains(number));
+    number.ok_or_else(|| "valid is a number from 0.1 to 3600".to_owned())
 }
 
 /// Options of `list`.

@@ -1,9 +1,10 @@
-//! The program `legwork`: runs scenarios, studies and tunings, shows what there is, inspects models.
+//! The program `legwork`: runs scenarios, studies and tunings, measures itself, shows what there is, inspects models.
 //!
 //! Data goes to stdout, words to stderr. Exit code 0: done what was asked (a simulated fall is a result); 1: a file
 //! could not be read or written, or a robot fell under `--expect-standing`; 2: a wrong invocation or file.
 
 mod args;
+mod bench;
 mod inspect;
 mod limits;
 mod list;
@@ -37,6 +38,7 @@ fn main() -> ExitCode {
         Command::Limits(options) => limits::limits(&options, &mut output),
         Command::Reproduce(options) => reproduce::reproduce(&options, &mut output),
         Command::Tune(options) => tune::run(&options, &mut output),
+        Command::Bench(options) => bench::bench(&options, &mut output),
         Command::List(options) => list::list(&options, &mut output).map(|()| ExitCode::SUCCESS),
         Command::Show(options) => list::show(&options, &mut output).map(|()| ExitCode::SUCCESS),
         Command::Inspect(options) => inspect::inspect(&options, &mut output).map(|()| ExitCode::SUCCESS),

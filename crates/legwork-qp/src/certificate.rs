@@ -33,7 +33,7 @@ pub(crate) fn verify(
     set.compute_remainder(program, candidate);
     let mut gap = candidate.bound(program);
     let mut size = gap.abs() + program.times_abs(candidate.c, &set.z);
-    let mut far = max_abs(&set.z).max(gap.abs());
+    let mut far = max_abs(set.z.as_flattened()).max(gap.abs());
     for (member, r) in set.members.iter().zip(&set.r) {
         let bound = member.bound(program);
         gap -= r * bound;
@@ -42,7 +42,7 @@ pub(crate) fn verify(
     }
     far *= FAR;
     let mut reached = 0.0;
-    for (j, v) in set.remainder.iter().enumerate() {
+    for (j, v) in set.remainder.as_flattened()[..program.n].iter().enumerate() {
         let bound = if *v > 0.0 { program.upper[program.m + j] } else { -program.lower[program.m + j] };
         reached += v.abs() * bound.clamp(0.0, far);
     }
@@ -59,7 +59,9 @@ pub(crate) fn verify(
     let mut largest = 0.0_f64;
     for (member, weight) in conflict.iter_mut() {
         *weight *= program.multiplier_factor(member.c);
-        largest = largest.max(*weight);
+        // With a row stands the bound of the variable that it defines.
+        let with_bound = program.defines(member.c).map_or(1.0, |replaced| replaced.entry.abs().max(1.0));
+        largest = largest.max(*weight * with_bound);
     }
     for (_, weight) in conflict.iter_mut() {
         *weight /= largest;

@@ -5,17 +5,18 @@
 //! constraints of the working set, with multipliers of the right signs.
 
 use crate::certificate;
-use crate::linear::axpy;
 use crate::scale::{Kind, Scaled};
 use crate::working_set::{Member, Place, WorkingSet};
 use crate::{Settings, Status};
 
 /// Weight of the size of a row's terms, beside that of its bound, in the tolerance for its violation.
 const TERMS: f64 = 1e-3;
+/// A violation is clear beyond this times the tolerance.
+const CLEAR_VIOLATION: f64 = 1e3;
 /// Where rounding errors stop the search, violations are accepted up to this times the tolerance, with the full size of the
 /// terms.
 const ACCEPTED: f64 = 10.0;
-/// The rounding error that the factors leave in `a_cᵀz`, relative to `|Jᵀa_c| |y|`.
+/// The rounding error that the factors leave in `a_cᵀz`, relative to `|L⁻¹a_c| |y|`.
 const NOISE: f64 = 4.0 * f64::EPSILON;
 /// As many times this are accepted where rounding errors stop the search.
 const ACCEPTED_NOISE: f64 = 32.0;
@@ -40,12 +41,17 @@ pub(crate) enum Entry {
     Infeasible,
 }
 
+/// A violated inequality, and whether it is so beyond what refinement may change.
+struct Violated {
+    member: Member,
+    clearly: bool,
+}
+
 /// One search for the optimal working set.
 pub(crate) struct Search<'a> {
     pub(crate) program: &'a Scaled,
     pub(crate) set: &'a mut WorkingSet,
     pub(crate) settings: &'a Settings,
-    pub(crate) convexified: bool,
     /// Members with Farkas weights, of the scaled program.
     pub(crate) conflict: &'a mut Vec<(Member, f64)>,
     pub(crate) iterations: u32,
@@ -56,7 +62,6 @@ pub(crate) struct Search<'a> {
 impl Search<'_> {
     /// From the factorised program to the result; `previous` is the guess.
     pub(crate) fn run(&mut self, previous: &[Member]) -> Status {
-        self.set.clear(self.program);
         self.take_equalities();
         self.refresh();
         if self.contradictory_empty_row() || self.contradictory_equalities() {
@@ -64,6 +69,10 @@ impl Search<'_> {
         }
         self.take_guess(previous);
         self.refresh();
+        if !previous.is_empty() {
+            // Most often the guess is right, and this the last step.
+            self.refine();
+        }
         self.ascend()
     }
 
@@ -73,9 +82,11 @@ impl Search<'_> {
         let mut stalled = 0;
         loop {
             self.drop_negative();
-            let Some(candidate) = self.most_violated() else {
+            let candidate = self.most_violated();
+            let Some(Violated { member: candidate, .. }) = candidate.filter(|found| found.clearly || self.refined)
+            else {
                 if self.refined {
-                    return self.conclude();
+                    return self.conclude(true);
                 }
                 self.refine();
                 continue;
@@ -94,7 +105,7 @@ impl Search<'_> {
                 if self.set.most_negative().is_some() {
                     self.refresh();
                 }
-                return self.conclude();
+                return self.conclude(false);
             }
             if let Entry::Infeasible = self.enter(candidate) {
                 return Status::Infeasible;
@@ -104,11 +115,16 @@ impl Search<'_> {
 
     /// Optimal if all that is left violated is so within [`ACCEPTED`], and the members hold well enough for their
     /// multipliers.
-    fn conclude(&self) -> Status {
+    ///
+    /// After a complete search only those can be violated that were set aside or left out.
+    fn conclude(&self, complete: bool) -> Status {
         let accepted =
             |c: usize| self.is_acceptable(Member { c, sign: 1.0 }) && self.is_acceptable(Member { c, sign: -1.0 });
         let open = |&c: &usize| {
-            self.set.place[c] != Place::In && matches!(self.program.kind[c], Kind::Inequality | Kind::Equality)
+            let place = self.set.place[c];
+            place != Place::In
+                && !(complete && place == Place::Out)
+                && matches!(self.program.kind[c], Kind::Inequality | Kind::Equality)
         };
         let program = self.program;
         let (_, mut size) = self.set.value();
@@ -130,7 +146,7 @@ impl Search<'_> {
     pub(crate) fn tolerance(&self, member: Member, y_length: f64) -> f64 {
         let terms = self.program.times_abs(member.c, &self.set.z);
         let size = member.bound(self.program).abs() + TERMS * terms;
-        self.settings.feasibility_tolerance * size + NOISE * self.set.reach[member.c] * y_length
+        self.settings.feasibility_tolerance * size + NOISE * self.set.reach(self.program, member.c) * y_length
     }
 
     /// Is it at least one that may be left where rounding errors stop the search?
@@ -143,12 +159,12 @@ impl Search<'_> {
         let size = member.bound(self.program).abs() + terms;
         let (y_length, free) = (self.set.y_length(), self.set.gradient_length());
         let length = if y_length < VANISHING * free { free } else { ACCEPTED_NOISE * y_length };
-        let noise = NOISE * self.set.reach[member.c] * length;
+        let noise = NOISE * self.set.reach(self.program, member.c) * length;
         shortfall <= ACCEPTED * self.settings.feasibility_tolerance * size + noise
     }
 
     /// The inequality with the largest shortfall in the scaled program.
-    fn most_violated(&self) -> Option<Member> {
+    fn most_violated(&self) -> Option<Violated> {
         let program = self.program;
         let y_length = self.set.y_length();
         let mut worst = 0.0;
@@ -164,9 +180,10 @@ impl Search<'_> {
                 continue;
             }
             let member = Member { c, sign };
-            if shortfall > self.tolerance(member, y_length) {
+            let tolerance = self.tolerance(member, y_length);
+            if shortfall > tolerance {
                 worst = shortfall;
-                found = Some(member);
+                found = Some(Violated { member, clearly: shortfall > CLEAR_VIOLATION * tolerance });
             }
         }
         found
@@ -178,7 +195,7 @@ impl Search<'_> {
     }
 
     pub(crate) fn refine(&mut self) {
-        self.set.refine(self.program, self.convexified);
+        self.set.refine(self.program);
         self.refined = true;
     }
 
@@ -204,7 +221,6 @@ impl Search<'_> {
 
     /// Adds a projected candidate without a step: a refresh must follow.
     pub(crate) fn take(&mut self, candidate: Member) {
-        self.set.compute_direction();
         self.set.add(candidate);
     }
 
@@ -221,12 +237,11 @@ impl Search<'_> {
                 self.leave(k, step);
                 continue;
             }
-            self.set.compute_direction();
             let shortfall = candidate.shortfall(self.program, &self.set.z).max(0.0);
             let full_step = shortfall / (self.set.free_length * self.set.free_length);
             match blocking {
                 Some((k, step)) if step < full_step => {
-                    axpy(step, &self.set.direction[..self.program.n], &mut self.set.z);
+                    self.set.step(step);
                     self.leave(k, step);
                 }
                 _ => {

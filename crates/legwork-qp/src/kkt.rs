@@ -2,8 +2,8 @@
 //! own data alone: nothing of the solver enters but the rule for the units of the variables.
 
 use crate::Problem;
+use crate::input::variable_unit;
 use crate::linear::{dot, dot_abs};
-use crate::scale::variable_unit;
 
 /// Where the terms of a component nearly vanish, its residual is compared with this fraction of the largest ones.
 const FLOOR: f64 = 1e-4;

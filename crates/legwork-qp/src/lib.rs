@@ -39,26 +39,39 @@
 //! # The method
 //!
 //! That of D. Goldfarb and A. Idnani, *A numerically stable dual method for solving strictly convex quadratic programs*,
-//! Mathematical Programming 27 (1983). With the normals `N` of a working set as columns, `H = L Lᵀ` and `J = L⁻ᵀQ` such that
-//! `Jᵀ N = [R; 0]`, point and multipliers of the working set follow from triangular systems. Each violated constraint enters
-//! by a Householder reflection of `J`; on the way constraints leave, by rotations, whose multiplier reaches zero. The dual
-//! objective rises with each entry, so that no working set comes back.
+//! Mathematical Programming 27 (1983), with factors of another kind. In the variables `y = Lᵀx`, `H = L Lᵀ`, the Hessian is
+//! the identity, and a constraint's normal is `L⁻¹a`. Of the normals `L⁻¹N` of a working set a thin factorisation `Q R` is
+//! kept (Daniel, Gragg, Kaufman and Stewart, 1976): `Q` has as many columns as there are members. Point and multipliers
+//! follow from triangular systems with `R`:
+//!
+//! ```text
+//! Rᵀ t = b,   y = Q t − (1 − QQᵀ) L⁻¹g,   R λ = t + Qᵀ L⁻¹g
+//! ```
+//!
+//! Each violated constraint enters by Gram-Schmidt orthogonalisation; on the way constraints leave, by rotations, whose
+//! multiplier reaches zero. The dual objective rises with each entry, so that no working set comes back. Zeros are made use
+//! of by extent: rows, normals and columns of `Q` keep the range of their nonzero entries, and a block-diagonal Hessian is
+//! factorised block by block.
 //!
 //! In this order:
 //! 1. Scaling: variables by `√H_jj` (Jacobi), rows to unit norm, by powers of two, which round nothing.
 //! 2. Equalities: fixed variables, then rows, the clearly independent ones first. Those that follow from others are left
 //!    out, checked against the solution, and have the multiplier zero.
-//! 3. The working set of the previous solve, as far as it is independent; negative multipliers are dropped. Optimal
+//! 3. A guess, as far as it is independent: the working set of the previous solve, of the last optimum of the same contact
+//!    mode ([`Solver::select_mode`]), or one of one's own ([`Solver::start_from`]). Negative multipliers are dropped. Optimal
 //!    working sets of control ticks change little, so this is most often all.
 //! 4. Violated constraints, the largest violation of the scaled program first.
 //! 5. One step of iterative refinement of point and multipliers with the program's own numbers, after which nothing may be
-//!    violated and no multiplier negative.
+//!    violated and no multiplier negative. With a guess it comes first: most often it then is the last step too.
 //!
 //! # What is not there
 //!
 //! **No regularisation.** If the scaled `H` is not positive definite (a pivot of its Cholesky factorisation is below
 //! 64 n ε), the squares of the equalities are added, once: `H + Âᵀ Â` and `g − Âᵀ b̂` in place of `H` and `g`, with the scaled
-//! equality rows and fixed variables. On the feasible set this adds a constant to the objective, so optimum and
+//! equality rows and fixed variables. If the diagonal of `H` has zeros, there are two shorter ways: where each variable
+//! without a cost stands in one row only, an equality, this row defines it, and its bounds become those of a row of the
+//! others, with the same optimum and multipliers; else the squares are tried first of those equalities alone that contain
+//! such a variable. On the feasible set this adds a constant to the objective, so optimum and
 //! multipliers stay those of the program as given. [`Solver::convexified`] tells. If that is not positive definite
 //! either: [`Status::NotConvex`].
 //!
@@ -67,22 +80,32 @@
 //! aside, and the status at the end is [`Status::Optimal`] or [`Status::IterationLimit`] according to what is left of its
 //! violation.
 //!
+//! **No way out hidden in the solver.** An infeasible program is answered with its certificate. Who would rather have the
+//! point that violates least asks [`Elastic`], which names what it gave up.
+//!
 //! **No allocation** in [`Solver::solve`], no threads, no random numbers: the same problems in the same order give the same
 //! bits.
 #![forbid(unsafe_code)]
 
 mod certificate;
 mod dual;
+mod elastic;
 mod factor;
+mod input;
 mod kkt;
+mod lanes;
 mod linear;
+mod modes;
 mod problem;
+mod replaced;
 mod scale;
 mod solver;
 mod start;
 mod types;
+mod whitening;
 mod working_set;
 
+pub use elastic::{Elastic, GivenUp};
 pub use kkt::{KktResiduals, Residual};
 pub use problem::Problem;
 pub use solver::Solver;

@@ -50,11 +50,10 @@ pub(crate) fn givens(a: f64, b: f64) -> (f64, f64, f64) {
     (x / length, y / length, largest * length)
 }
 
-/// Rotates the pair of vectors `(x, y)` to `(c x + s y, −s x + c y)`.
-pub(crate) fn rotate(c: f64, s: f64, x: &mut [f64], y: &mut [f64]) {
-    for (x, y) in x.iter_mut().zip(y) {
-        (*x, *y) = (c * *x + s * *y, c * *y - s * *x);
-    }
+/// The largest power of two that is not above `√x`, `x > 0`.
+pub(crate) fn power_of_two_root(x: f64) -> f64 {
+    let exponent = (x.max(f64::MIN_POSITIVE).to_bits() >> 52 & 0x7ff) as i64 - 1023;
+    f64::from_bits((((exponent >> 1) + 1023) as u64) << 52)
 }
 
 #[cfg(test)]
@@ -76,6 +75,8 @@ mod tests {
             let p = power_of_two(x);
             assert!(p <= x && x < 2.0 * p, "{p} for {x}");
             assert_eq!(p.to_bits() & 0x000f_ffff_ffff_ffff, 0);
+            let root = power_of_two_root(x);
+            assert!(root * root <= x && x < 4.0 * root * root, "{root} for {x}");
         }
     }
 
@@ -83,9 +84,7 @@ mod tests {
     fn givens_zeroes_the_second_entry() {
         for (a, b) in [(3.0, 4.0), (-3.0, 4.0), (0.0, 2.0), (1e200, -1e200), (5.0, 0.0)] {
             let (c, s, length) = givens(a, b);
-            let (mut x, mut y) = ([a], [b]);
-            rotate(c, s, &mut x, &mut y);
-            assert!((x[0] - length).abs() <= 1e-15 * length && y[0].abs() <= 1e-15 * length);
+            assert!((c * a + s * b - length).abs() <= 1e-15 * length && (c * b - s * a).abs() <= 1e-15 * length);
         }
     }
 }

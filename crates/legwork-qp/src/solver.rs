@@ -2,10 +2,10 @@
 
 use crate::certificate::side;
 use crate::dual::Search;
-use crate::linear::axpy;
-use crate::scale::{Kind, Scaled};
+use crate::modes::Modes;
+use crate::scale::{Kind, Scaled, Squares};
 use crate::working_set::{Member, WorkingSet};
-use crate::{Active, Conflict, Defect, Problem, Settings, Side, Status};
+use crate::{Active, Conflict, Constraint, Defect, Problem, Settings, Side, Status};
 
 /// Workspace and result of a solve, allocated once for a size.
 #[derive(Clone, Debug)]
@@ -13,8 +13,11 @@ pub struct Solver {
     settings: Settings,
     program: Scaled,
     set: WorkingSet,
-    /// Inequalities in the working set of the previous solve.
-    previous: Vec<Member>,
+    /// What the next solve starts from: inequalities in the working set of the previous one, or as the user wished.
+    guess: Vec<Member>,
+    /// The user wished so.
+    given: bool,
+    modes: Modes,
     /// Members with Farkas weights.
     conflict: Vec<(Member, f64)>,
     x: Vec<f64>,
@@ -37,7 +40,9 @@ impl Solver {
             settings,
             program: Scaled::new(n, m),
             set: WorkingSet::new(n, m),
-            previous: Vec::with_capacity(n),
+            guess: Vec::with_capacity(n),
+            given: false,
+            modes: Modes::new(n),
             conflict: Vec::with_capacity(n + 1),
             x: vec![0.0; n],
             row_multipliers: vec![0.0; m],
@@ -66,77 +71,69 @@ impl Solver {
         self.set.members.clear();
         self.iterations = 0;
         self.convexified = false;
-        self.defect = self.program.load(problem).err();
-        if self.defect.is_some() {
-            return Status::InvalidInput;
+        match self.load(problem) {
+            Ok(true) => {}
+            Ok(false) => {
+                self.program.replaced.clear();
+                return Status::NotConvex;
+            }
+            Err(defect) => {
+                self.defect = Some(defect);
+                return Status::InvalidInput;
+            }
         }
-        if !self.factorise() {
-            return Status::NotConvex;
+        if !self.settings.warm_start && !self.given {
+            self.guess.clear();
         }
-        if !self.settings.warm_start {
-            self.previous.clear();
-        }
+        self.given = false;
         let mut search = Search {
             program: &self.program,
             set: &mut self.set,
             settings: &self.settings,
-            convexified: self.convexified,
             conflict: &mut self.conflict,
             iterations: 0,
             refined: false,
         };
-        let status = search.run(&self.previous);
+        let status = search.run(&self.guess);
         self.iterations = search.iterations;
-        self.previous.clear();
-        self.previous.extend_from_slice(&self.set.members[self.set.equalities..]);
+        self.guess.clear();
+        self.guess.extend_from_slice(&self.set.members[self.set.equalities..]);
+        if status == Status::Optimal {
+            self.modes.keep(&self.guess);
+        }
         self.take_result(problem, status)
     }
 
-    /// Factorises the scaled Hessian; if that is not positive definite, with the equalities added to it.
-    fn factorise(&mut self) -> bool {
-        let program = &self.program;
-        let factor = &mut self.set.factor;
-        factor.matrix_mut().copy_from_slice(&program.hessian);
-        if factor.factorise(&program.gradient) {
-            return true;
-        }
-        // H + ∑ a aᵀ and g − ∑ b a over the equalities aᵀz = b: on the feasible set this changes the objective by a constant.
-        self.convexified = true;
-        let n = program.n;
-        // x serves as the place for the gradient.
-        self.x.copy_from_slice(&program.gradient);
-        let matrix = factor.matrix_mut();
-        matrix.copy_from_slice(&program.hessian);
-        for c in (0..program.constraints()).filter(|&c| program.kind[c] == Kind::Equality) {
-            program.add_to(c, -program.lower[c], &mut self.x);
-            if c < program.m {
-                let row = program.row(c);
-                for (column, a) in matrix.chunks_exact_mut(n).zip(row) {
-                    axpy(*a, row, column);
-                }
-            } else {
-                let j = c - program.m;
-                matrix[j * n + j] += 1.0;
+    /// Scales the problem and factorises its Hessian, if need be with the squares of equalities. False if it is not convex.
+    fn load(&mut self, problem: &Problem) -> Result<bool, Defect> {
+        self.defect = None;
+        self.program.load(problem)?;
+        // A zero on the diagonal tells beforehand that H alone will not do.
+        let n = problem.n();
+        let has_cost = |j: usize| problem.hessian()[j * n + j] != 0.0;
+        let is_replaced = !self.program.replaced.is_empty();
+        let mut squares = if is_replaced || (0..n).all(has_cost) { Squares::None } else { Squares::OfFreeVariables };
+        loop {
+            self.program.load_hessian(problem, squares)?;
+            self.convexified = is_replaced || squares != Squares::None;
+            if self.set.factorise(&self.program) {
+                return Ok(true);
             }
+            if squares == Squares::All {
+                return Ok(false);
+            }
+            squares = Squares::All;
         }
-        let definite = factor.factorise(&self.x);
-        self.x.fill(0.0);
-        definite
     }
 
     /// Back to the units of the problem.
     fn take_result(&mut self, problem: &Problem, status: Status) -> Status {
         let (program, set) = (&self.program, &self.set);
-        for (x, (z, unit)) in self.x.iter_mut().zip(set.z.iter().zip(&program.unit)) {
+        for (x, (z, unit)) in self.x.iter_mut().zip(set.z.as_flattened().iter().zip(program.unit())) {
             *x = z * unit;
         }
         if !self.x.iter().chain(&set.multipliers).all(|x| x.is_finite()) {
-            self.x.fill(0.0);
-            self.previous.clear();
-            self.set.members.clear();
-            self.conflict.clear();
-            self.defect = Some(Defect::Overflow);
-            return Status::InvalidInput;
+            return self.overflow();
         }
         if status == Status::Optimal {
             for (j, x) in self.x.iter_mut().enumerate() {
@@ -159,12 +156,64 @@ impl Solver {
                 }
             }
         }
-        status
+        let (rows, bounds) = (&mut self.row_multipliers, &mut self.bound_multipliers);
+        for replaced in &program.replaced {
+            replaced.restore(problem, &mut self.x, rows, bounds, status == Status::Optimal);
+        }
+        if program.replaced.iter().all(|replaced| self.x[replaced.variable].is_finite()) {
+            return status;
+        }
+        self.overflow()
     }
 
-    /// Forgets the working set: the next solve starts cold.
+    /// There is no answer in finite numbers.
+    fn overflow(&mut self) -> Status {
+        self.x.fill(0.0);
+        self.row_multipliers.fill(0.0);
+        self.bound_multipliers.fill(0.0);
+        self.guess.clear();
+        self.set.members.clear();
+        self.program.replaced.clear();
+        self.conflict.clear();
+        self.defect = Some(Defect::Overflow);
+        Status::InvalidInput
+    }
+
+    /// Forgets all working sets: the next solve starts cold.
     pub fn forget(&mut self) {
-        self.previous.clear();
+        self.guess.clear();
+        self.given = false;
+        self.modes.forget();
+    }
+
+    /// The next solve starts from these rows and bounds, as far as they can hold together, whatever the settings say of warm
+    /// starts. Equalities hold anyway and need not be named; what the problem does not have is passed over.
+    pub fn start_from(&mut self, working_set: impl IntoIterator<Item = Active>) {
+        self.guess.clear();
+        let (n, m) = (self.program.n, self.program.m);
+        for Active { constraint, side } in working_set {
+            let c = match constraint {
+                Constraint::Row(i) if i < m => i,
+                Constraint::Bound(j) if j < n => m + j,
+                _ => continue,
+            };
+            if side != Side::Equal && self.guess.len() < n {
+                self.guess.push(Member { c, sign: if side == Side::Lower { 1.0 } else { -1.0 } });
+            }
+        }
+        self.given = true;
+    }
+
+    /// Says in which mode, of contacts for instance, the problems that follow are: a key of one's own making.
+    ///
+    /// At a change to a mode that is known the next solve starts from the last optimal working set of that mode, instead of
+    /// the previous solve's. Eight modes are remembered; a ninth replaces the one that was not used for longest. Without a
+    /// change this does nothing, so it may be called before each solve. Allocates nothing.
+    pub fn select_mode(&mut self, key: u64) {
+        if let Some(members) = self.modes.select(key) {
+            self.guess.clear();
+            self.guess.extend_from_slice(members);
+        }
     }
 
     /// The solution, length n.
@@ -187,7 +236,7 @@ impl Solver {
         self.iterations
     }
 
-    /// Whether the last solve added the equalities to a Hessian that is not positive definite.
+    /// Whether the Hessian of the last solve was not positive definite, so that equalities had to help.
     pub fn convexified(&self) -> bool {
         self.convexified
     }
@@ -197,21 +246,29 @@ impl Solver {
         self.defect
     }
 
-    /// The rows and bounds that hold `x`, in the order in which they entered. Equalities that follow from others are not
-    /// among them.
+    /// The rows and bounds that hold `x`: equality rows that define a variable without a cost, then the others in the order
+    /// in which they entered. Equalities that follow from others are not among them.
     pub fn working_set(&self) -> impl Iterator<Item = Active> + '_ {
-        self.set.members.iter().map(|&member| Active {
-            constraint: self.program.constraint(member.c),
-            side: if self.program.kind[member.c] == Kind::Equality { Side::Equal } else { side(member) },
-        })
+        let program = &self.program;
+        let equality = |c: usize| Active { constraint: program.constraint(c), side: Side::Equal };
+        let members = self.set.members.iter().map(move |&member| match program.defines(member.c) {
+            Some(replaced) => Active { constraint: Constraint::Bound(replaced.variable), side: replaced.side(member) },
+            None if program.kind[member.c] == Kind::Equality => equality(member.c),
+            None => Active { constraint: program.constraint(member.c), side: side(member) },
+        });
+        program.replaced.iter().map(move |replaced| equality(replaced.row)).chain(members)
     }
 
     /// After [`Status::Infeasible`]: the rows and bounds that contradict each other, the one first that was found violated.
     pub fn conflict(&self) -> impl Iterator<Item = Conflict> + '_ {
-        self.conflict.iter().map(|&(member, weight)| Conflict {
-            constraint: self.program.constraint(member.c),
-            side: side(member),
-            weight,
+        self.conflict.iter().flat_map(|&(member, weight)| {
+            let own = Conflict { constraint: self.program.constraint(member.c), side: side(member), weight };
+            let bound = self.program.defines(member.c).map(|replaced| Conflict {
+                constraint: Constraint::Bound(replaced.variable),
+                side: replaced.side(member),
+                weight: weight * replaced.entry.abs(),
+            });
+            std::iter::once(own).chain(bound)
         })
     }
 }

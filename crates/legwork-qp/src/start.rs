@@ -20,32 +20,40 @@ impl Search<'_> {
         false
     }
 
-    /// Fixed variables, then equality rows. The clearly independent ones come first, so that of nearly dependent ones the
+    /// Fixed variables, then equality rows, those of one entry first, which leave zeros. The clearly independent ones come first, so that of nearly dependent ones the
     /// best conditioned stay; those that follow from others are left out.
     pub(crate) fn take_equalities(&mut self) {
         let (m, all) = (self.program.m, self.program.constraints());
-        for clear in [1e-2, 1e-4, CLEARLY] {
-            let mut left = false;
-            for c in (m..all).chain(0..m) {
-                if self.program.kind[c] != Kind::Equality || self.set.place[c] == Place::In {
-                    continue;
+        self.set.left.clear();
+        for (range, single) in [(m..all, true), (0..m, true), (0..m, false)] {
+            for c in range {
+                let span = self.program.span[c];
+                if self.program.kind[c] == Kind::Equality && (span.end == span.first + 1) == single {
+                    self.set.left.push((c, f64::INFINITY));
                 }
-                let member = Member { c, sign: 1.0 };
-                if self.set.project(self.program, member) > clear {
-                    self.take(member);
-                    self.set.equalities += 1;
-                } else {
-                    left = true;
-                }
-            }
-            if !left {
-                return;
             }
         }
-        for c in (m..all).chain(0..m) {
-            if self.program.kind[c] != Kind::Equality || self.set.place[c] == Place::In {
-                continue;
+        for clear in [1e-2, 1e-4, CLEARLY] {
+            let mut left = 0;
+            for i in 0..self.set.left.len() {
+                // What lies outside of the span only shrinks.
+                let (c, mut outside) = self.set.left[i];
+                let member = Member { c, sign: 1.0 };
+                if outside > clear {
+                    outside = self.set.project(self.program, member);
+                    if outside > clear {
+                        self.take(member);
+                        self.set.equalities += 1;
+                        continue;
+                    }
+                }
+                self.set.left[left] = (c, outside);
+                left += 1;
             }
+            self.set.left.truncate(left);
+        }
+        for i in 0..self.set.left.len() {
+            let c = self.set.left[i].0;
             let member = Member { c, sign: 1.0 };
             if self.look(member) {
                 self.set.place[c] = Place::Implied;
@@ -58,7 +66,8 @@ impl Search<'_> {
 
     /// Is an equality that was left out violated, and by more than rounding errors can explain?
     pub(crate) fn contradictory_equalities(&mut self) -> bool {
-        for c in 0..self.program.constraints() {
+        for i in 0..self.set.left.len() {
+            let c = self.set.left[i].0;
             if self.set.place[c] != Place::Implied {
                 continue;
             }
@@ -81,6 +90,7 @@ impl Search<'_> {
     /// As much of the guess as can hold together.
     pub(crate) fn take_guess(&mut self, previous: &[Member]) {
         for &member in previous {
+            let member = self.program.translated(member);
             let possible = self.program.kind[member.c] == Kind::Inequality && member.bound(self.program).is_finite();
             if possible && self.set.project(self.program, member) > CLEARLY {
                 self.take(member);

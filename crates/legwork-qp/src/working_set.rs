@@ -4,8 +4,10 @@
 //! an upper side: all multipliers of inequalities are then positive at an optimum.
 
 use crate::factor::Factor;
-use crate::linear::{axpy, dot, max_abs};
-use crate::scale::{Kind, Scaled};
+use crate::lanes::{self, Lanes, Span, WIDTH, zeros};
+use crate::linear::{dot, max_abs};
+use crate::scale::Scaled;
+use crate::whitening::Whitening;
 
 /// A normal is dependent if what the members leave of it is below this times what cancelled.
 const DEPENDENT: f64 = 1e-11;
@@ -23,7 +25,7 @@ impl Member {
     }
 
     /// By how much `nᵀz` falls short of `b`.
-    pub(crate) fn shortfall(self, program: &Scaled, z: &[f64]) -> f64 {
+    pub(crate) fn shortfall(self, program: &Scaled, z: &[Lanes]) -> f64 {
         self.bound(program) - self.sign * program.times(self.c, z)
     }
 }
@@ -41,126 +43,157 @@ pub(crate) enum Place {
 
 #[derive(Clone, Debug)]
 pub(crate) struct WorkingSet {
-    pub(crate) factor: Factor,
+    whitening: Whitening,
+    factor: Factor,
     pub(crate) members: Vec<Member>,
     /// Aligned with the members, of which the first are the equalities.
     pub(crate) multipliers: Vec<f64>,
     pub(crate) equalities: usize,
     pub(crate) place: Vec<Place>,
-    pub(crate) z: Vec<f64>,
-    /// `J⁻¹ z`.
-    y: Vec<f64>,
-    /// `∑ |a_cj| √(H⁻¹)_jj`, which bounds the length of `Jᵀ a_c`.
-    pub(crate) reach: Vec<f64>,
-    /// `Jᵀn` of a candidate.
-    pub(crate) d: Vec<f64>,
+    /// Equalities that are not in, with what part of each lies outside the span of the members.
+    pub(crate) left: Vec<(usize, f64)>,
+    pub(crate) z: Vec<Lanes>,
+    /// `L⁻¹g`, its products with the columns of `Q`, and what is left of it outside their span.
+    gradient: Vec<Lanes>,
+    along: Vec<f64>,
+    across: Vec<Lanes>,
+    /// `Qᵀy`; the rest of `y` is `−across`.
+    t: Vec<f64>,
+    /// Of a candidate's whitened normal the products with the columns of `Q`; and the rest, with its length.
+    d: Vec<f64>,
+    free: Vec<Lanes>,
+    free_span: Span,
+    pub(crate) free_length: f64,
     /// How the members make up the candidate: `n = N r + remainder`.
     pub(crate) r: Vec<f64>,
-    pub(crate) remainder: Vec<f64>,
-    /// `J2 d2`, and its product with the gradient.
-    pub(crate) direction: Vec<f64>,
+    pub(crate) remainder: Vec<Lanes>,
     scratch: Vec<f64>,
-    /// Length of `d2`.
-    pub(crate) free_length: f64,
 }
 
 impl WorkingSet {
     pub(crate) fn new(n: usize, m: usize) -> Self {
         Self {
+            whitening: Whitening::new(n),
             factor: Factor::new(n),
             members: Vec::with_capacity(n),
             multipliers: Vec::with_capacity(n),
             equalities: 0,
             place: vec![Place::Out; m + n],
-            z: vec![0.0; n],
-            y: vec![0.0; n],
-            reach: vec![0.0; m + n],
+            left: Vec::with_capacity(m + n),
+            z: zeros(n),
+            gradient: zeros(n),
+            along: vec![0.0; n],
+            across: zeros(n),
+            t: vec![0.0; n],
             d: vec![0.0; n],
-            r: vec![0.0; n],
-            remainder: vec![0.0; n],
-            direction: vec![0.0; n + 1],
-            scratch: vec![0.0; n],
+            free: zeros(n),
+            free_span: Span::EMPTY,
             free_length: 0.0,
+            r: vec![0.0; n],
+            remainder: zeros(n),
+            scratch: vec![0.0; n],
         }
     }
 
-    /// Empties the set after [`Factor::factorise`].
-    pub(crate) fn clear(&mut self, program: &Scaled) {
+    /// Factorises the program's Hessian and empties the set. False if it is not positive definite.
+    pub(crate) fn factorise(&mut self, program: &Scaled) -> bool {
         self.members.clear();
         self.multipliers.clear();
         self.equalities = 0;
         self.place.fill(Place::Out);
-        for c in 0..program.constraints() {
-            if program.kind[c] != Kind::Free {
-                self.reach[c] = program.times_abs(c, self.factor.row_norms());
-            }
+        self.left.clear();
+        self.factor.clear();
+        if !self.whitening.factorise(program) {
+            return false;
         }
+        // With the squares, −∑ b a over the equalities aᵀz = b stands beside the gradient.
+        self.remainder.copy_from_slice(&program.gradient);
+        for &c in &program.squared {
+            program.add_to(c, -program.lower[c], &mut self.remainder);
+        }
+        self.whitening.times(&self.remainder, all(program), 1.0, &mut self.gradient);
+        self.across.copy_from_slice(&self.gradient);
+        true
     }
 
-    /// Computes `d`, and what part of the candidate, at least, lies outside the span of the members.
+    /// Bounds the length of a constraint's whitened normal.
+    pub(crate) fn reach(&self, program: &Scaled, c: usize) -> f64 {
+        program.times_abs(c, self.whitening.norms())
+    }
+
+    /// Computes the candidate's whitened normal and its parts, and what part of it, at least, lies outside the span of the
+    /// members.
     pub(crate) fn project(&mut self, program: &Scaled, candidate: Member) -> f64 {
-        let Member { c, sign } = candidate;
-        if c < program.m {
-            self.factor.transpose_times(program.row(c), &mut self.d);
-            for d in &mut self.d {
-                *d *= sign;
-            }
-        } else {
-            self.factor.transpose_times_unit(c - program.m, sign, &mut self.d);
-        }
-        let free = &self.d[self.factor.q()..];
-        self.free_length = dot(free, free).sqrt();
-        self.free_length / self.reach[c]
+        let Self { whitening, factor, free, d, .. } = self;
+        let span = whitening.normal(program, candidate.c, candidate.sign, free);
+        (self.free_span, self.free_length) = factor.project(free, span, d);
+        self.free_length / self.reach(program, candidate.c)
     }
 
-    /// `R r = d1`: how the members make up the part of the candidate in their span.
+    /// `R r = d`: how the members make up the part of the candidate in their span.
     pub(crate) fn solve_coefficients(&mut self) {
         let q = self.factor.q();
         self.r[..q].copy_from_slice(&self.d[..q]);
         self.factor.solve(&mut self.r[..q]);
     }
 
-    /// Looks closely at a candidate that is not clearly independent, whose `d` and `r` are known. Sharpens `r` and `d2`.
+    /// Looks closely at a candidate that is not clearly independent, whose `d` and `r` are known. Sharpens `r` and what is
+    /// outside of the span.
     pub(crate) fn is_dependent(&mut self, program: &Scaled, candidate: Member) -> bool {
         let q = self.factor.q();
-        self.compute_remainder(program, candidate);
-        self.factor.transpose_times(&self.remainder, &mut self.scratch);
-        self.factor.solve(&mut self.scratch[..q]);
-        for (r, correction) in self.r[..q].iter_mut().zip(&self.scratch) {
-            *r += correction;
+        for last in [false, true] {
+            self.compute_remainder(program, candidate);
+            // What is outside of the span is so of the remainder too, with less to cancel.
+            let span = self.whitening.times(&self.remainder, all(program), 1.0, &mut self.free);
+            (self.free_span, self.free_length) = self.factor.project(&mut self.free, span, &mut self.scratch);
+            if last {
+                break;
+            }
+            self.factor.solve(&mut self.scratch[..q]);
+            for (r, correction) in self.r[..q].iter_mut().zip(&self.scratch) {
+                *r += correction;
+            }
         }
-        self.compute_remainder(program, candidate);
-        // J2ᵀ n = J2ᵀ remainder, but with less to cancel.
-        for k in q..self.d.len() {
-            self.d[k] = dot(self.factor.column(k), &self.remainder);
-        }
-        let free = &self.d[q..];
-        self.free_length = dot(free, free).sqrt();
         // Normals have norms between 1 and 2.
         let size = 1.0 + self.r[..q].iter().map(|r| r.abs()).sum::<f64>();
-        free.is_empty() || max_abs(&self.remainder) <= DEPENDENT * size
+        q == program.n || max_abs(self.remainder.as_flattened()) <= DEPENDENT * size
     }
 
     /// `n − N r`.
     pub(crate) fn compute_remainder(&mut self, program: &Scaled, candidate: Member) {
-        self.remainder.fill(0.0);
+        self.remainder.fill([0.0; WIDTH]);
         program.add_to(candidate.c, candidate.sign, &mut self.remainder);
         for (member, r) in self.members.iter().zip(&self.r) {
             program.add_to(member.c, -r * member.sign, &mut self.remainder);
         }
     }
 
-    /// `J2 d2`, the direction in which the candidate's shortfall shrinks while the members keep holding.
-    pub(crate) fn compute_direction(&mut self) {
-        self.factor.free_direction(&self.d, &mut self.direction);
+    /// Moves the point in the direction in which the candidate's shortfall shrinks while the members keep holding.
+    pub(crate) fn step(&mut self, length: f64) {
+        self.remainder.fill([0.0; WIDTH]);
+        lanes::axpy(-length, &self.free, &mut self.remainder);
+        self.whitening.subtract_unwhitened(&self.remainder, &mut self.z);
     }
 
-    /// Adds the candidate of which `d` and the direction have been computed.
+    /// Adds the candidate that has been projected.
     pub(crate) fn add(&mut self, candidate: Member) {
-        self.factor.add(&self.d, &mut self.direction);
+        let q = self.factor.q();
+        self.factor.add(&self.d, &self.free, self.free_span, self.free_length);
+        self.split_gradient(q);
         self.members.push(candidate);
         self.multipliers.push(0.0);
         self.place[candidate.c] = Place::In;
+    }
+
+    /// Splits what is left of the gradient along column `k` of `Q` and the rest.
+    fn split_gradient(&mut self, k: usize) {
+        let (column, lanes) = self.factor.column(k);
+        let across = &mut self.across[lanes];
+        self.along[k] = lanes::dot(column, across);
+        lanes::axpy(-self.along[k], column, across);
+        if k + 1 == self.along.len() {
+            self.across.fill([0.0; WIDTH]);
+        }
     }
 
     pub(crate) fn drop(&mut self, k: usize) {
@@ -168,32 +201,37 @@ impl WorkingSet {
         self.multipliers.remove(k);
         let member = self.members.remove(k);
         self.place[member.c] = Place::Out;
+        self.across.copy_from_slice(&self.gradient);
+        (0..self.factor.q()).for_each(|k| self.split_gradient(k));
     }
 
     /// Point and multipliers of the working set, from the factors alone: no error of earlier steps survives.
     ///
-    /// `z = J y` with `Rᵀ y1 = b`, `y2 = −J2ᵀg`, and `R λ = y1 + J1ᵀg`.
+    /// `z = L⁻ᵀy` with `y = Q t − (1 − QQᵀ) L⁻¹g`, `Rᵀ t = b`, and `R λ = t + Qᵀ L⁻¹g`.
     pub(crate) fn refresh(&mut self, program: &Scaled) {
         let q = self.factor.q();
-        for (y, member) in self.y.iter_mut().zip(&self.members) {
-            *y = member.bound(program);
+        for (t, member) in self.t.iter_mut().zip(&self.members) {
+            *t = member.bound(program);
         }
-        self.factor.solve_transposed(&mut self.y[..q]);
+        self.factor.solve_transposed(&mut self.t[..q]);
         for k in 0..q {
-            self.multipliers[k] = self.y[k] + self.factor.gradient(k);
+            self.multipliers[k] = self.t[k] + self.along[k];
         }
         self.factor.solve(&mut self.multipliers);
-        for k in q..self.y.len() {
-            self.y[k] = -self.factor.gradient(k);
-        }
-        self.factor.times(&self.y, &mut self.z);
+        let y = &mut self.free;
+        // −y, and its sign turned in the end.
+        y.copy_from_slice(&self.across);
+        self.factor.subtract_times(&self.t[..q], y);
+        self.z.fill([0.0; WIDTH]);
+        self.whitening.subtract_unwhitened(y, &mut self.z);
     }
 
-    /// Objective at the refreshed point, up to a constant: `½ yᵀy + (Jᵀg)ᵀ y`; and the size of what cancels in it.
+    /// Objective at the refreshed point, up to a constant: `½ yᵀy + (L⁻¹g)ᵀ y`; and the size of what cancels in it.
     pub(crate) fn value(&self) -> (f64, f64) {
-        let (mut value, mut size) = (0.0, 0.0);
-        for (k, y) in self.y.iter().enumerate() {
-            let term = y * (0.5 * y + self.factor.gradient(k));
+        let outside = 0.5 * lanes::dot(&self.across, &self.across);
+        let (mut value, mut size) = (-outside, outside);
+        for (t, along) in self.t[..self.factor.q()].iter().zip(&self.along) {
+            let term = t * (0.5 * t + along);
             value += term;
             size += term.abs();
         }
@@ -202,47 +240,43 @@ impl WorkingSet {
 
     /// Bounds, with `reach`, what rounding errors do to the rows: `|a_cᵀz| <= reach_c |y|`.
     pub(crate) fn y_length(&self) -> f64 {
-        dot(&self.y, &self.y).sqrt()
+        let t = &self.t[..self.factor.q()];
+        (dot(t, t) + lanes::dot(&self.across, &self.across)).sqrt()
     }
 
-    /// Length of `Jᵀg`: that of `y` without constraints.
+    /// Length of `L⁻¹g`: that of `y` without constraints.
     pub(crate) fn gradient_length(&self) -> f64 {
-        let squares = (0..self.y.len()).map(|k| self.factor.gradient(k) * self.factor.gradient(k));
-        squares.sum::<f64>().sqrt()
+        lanes::dot(&self.gradient, &self.gradient).sqrt()
     }
 
     /// One step of iterative refinement of point and multipliers on the optimality conditions of the working set,
     /// `H z − N λ = −g` and `Nᵀ z = b`, with the residuals of the program itself.
-    pub(crate) fn refine(&mut self, program: &Scaled, convexified: bool) {
-        let (n, q) = (program.n, self.factor.q());
+    pub(crate) fn refine(&mut self, program: &Scaled) {
+        let q = self.factor.q();
         let residual = &mut self.remainder;
-        for (i, residual) in residual.iter_mut().enumerate() {
-            *residual = -program.gradient[i] - dot(&program.hessian[i * n..(i + 1) * n], &self.z);
+        for (i, residual) in residual.as_flattened_mut()[..program.n].iter_mut().enumerate() {
+            *residual = -program.gradient.as_flattened()[i] - program.hessian_times(i, &self.z);
         }
         for (k, member) in self.members.iter().enumerate() {
             program.add_to(member.c, self.multipliers[k] * member.sign, residual);
             self.r[k] = member.shortfall(program, &self.z);
         }
-        if convexified {
-            // The factors belong to H + ∑ a aᵀ over the equalities.
-            for c in (0..program.constraints()).filter(|&c| program.kind[c] == Kind::Equality) {
-                program.add_to(c, program.lower[c] - program.times(c, &self.z), residual);
-            }
+        // The factors belong to H + ∑ a aᵀ.
+        for &c in &program.squared {
+            program.add_to(c, program.lower[c] - program.times(c, &self.z), residual);
         }
-        self.factor.transpose_times(residual, &mut self.scratch);
+        // The step of y with its sign turned, as in refresh.
+        let span = self.whitening.times(residual, all(program), -1.0, &mut self.free);
+        self.factor.project(&mut self.free, span, &mut self.scratch);
         self.factor.solve_transposed(&mut self.r[..q]);
-        // Corrections: of y in scratch, of the multipliers in r.
-        for k in 0..q {
-            let y = self.r[k];
-            self.r[k] = y - self.scratch[k];
-            self.scratch[k] = y;
+        self.factor.subtract_times(&self.r[..q], &mut self.free);
+        self.whitening.subtract_unwhitened(&self.free, &mut self.z);
+        for (r, along) in self.r[..q].iter_mut().zip(&self.scratch) {
+            *r += along;
         }
         self.factor.solve(&mut self.r[..q]);
         for (multiplier, correction) in self.multipliers.iter_mut().zip(&self.r) {
             *multiplier += correction;
-        }
-        for (k, y) in self.scratch.iter().enumerate() {
-            axpy(*y, self.factor.column(k), &mut self.z);
         }
     }
 
@@ -258,4 +292,8 @@ impl WorkingSet {
         }
         position
     }
+}
+
+fn all(program: &Scaled) -> Span {
+    Span { first: 0, end: program.n }
 }

@@ -4,7 +4,7 @@ mod common;
 
 use common::Random;
 use common::families::{Shape, contradict, general, whole_body_slack};
-use legwork_qp::{Problem, Solver, Status};
+use legwork_qp::{Active, Constraint, Elastic, Problem, Side, Solver, Status};
 
 fn allocations(solver: &mut Solver, problem: &Problem) -> (u64, Status) {
     let mut status = Status::InvalidInput;
@@ -55,6 +55,27 @@ fn reading_the_answer_does_not_allocate() {
         let residuals = p.kkt(solver.x(), solver.row_multipliers(), solver.bound_multipliers());
         assert!(residuals.worst_relative() < 1e-9 && solver.working_set().count() > 0);
         p.reset();
+    });
+    assert_eq!(info.count_total, 0);
+}
+
+#[test]
+fn neither_modes_nor_guesses_nor_the_fallback_allocate() {
+    let mut solver = Solver::new(23, 25);
+    let mut elastic = Elastic::new(23, 25);
+    let programs: Vec<Problem> = (0..40).map(|k| whole_body_slack(k, 0.0)).collect();
+    let info = allocation_counter::measure(|| {
+        for (k, p) in programs.iter().enumerate() {
+            solver.select_mode(k as u64 % 11);
+            solver.solve(p);
+            let guess = (0..30).map(|j| Active { constraint: Constraint::Bound(j), side: Side::Upper });
+            solver.start_from(guess);
+            solver.solve(p);
+            elastic.set_yielding(Constraint::Row(k % 25), k % 2 == 0);
+            elastic.solve(p);
+            assert!(elastic.given_up().count() + elastic.conflict().count() < 100);
+        }
+        solver.forget();
     });
     assert_eq!(info.count_total, 0);
 }

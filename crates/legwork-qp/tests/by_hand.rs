@@ -202,6 +202,53 @@ fn a_semidefinite_hessian_that_an_equality_row_makes_definite() {
 }
 
 #[test]
+fn a_variable_that_a_row_defines() {
+    // ½ x² + ½ t with t = 3x − 6: x = −1.5 were it not for t >= −4, which is x = 2/3.
+    let mut p = program(&[1.0, 0.0, 0.0, 0.0], &[0.0, 0.5], &[(&[3.0, -1.0], 6.0, 6.0)]);
+    p.lower_mut()[1] = -4.0;
+    p.upper_mut()[1] = 10.0;
+    let mut solver = solved(&p);
+    assert!(solver.convexified());
+    assert_near(solver.x(), &[2.0 / 3.0, -4.0]);
+    // Hx + g = (2/3, 1/2) = λ (3, −1) + (0, μ).
+    assert_near(solver.row_multipliers(), &[2.0 / 9.0]);
+    assert_near(solver.bound_multipliers(), &[0.0, 13.0 / 18.0]);
+    let set: Vec<Active> = solver.working_set().collect();
+    let expected = [(Constraint::Row(0), Side::Equal), (Constraint::Bound(1), Side::Lower)];
+    assert_eq!(set, expected.map(|(constraint, side)| Active { constraint, side }));
+    solver.forget();
+    solver.start_from(set);
+    assert_eq!(solver.solve(&p), Status::Optimal);
+    assert_eq!(solver.iterations(), 0);
+    // The other side, and none.
+    p.gradient_mut()[1] = -9.0;
+    let solver = solved(&p);
+    assert_near(solver.x(), &[16.0 / 3.0, 10.0]);
+    p.gradient_mut()[1] = -1.0;
+    let solver = solved(&p);
+    assert_near(solver.x(), &[3.0, 3.0]);
+    assert_near(solver.row_multipliers(), &[1.0]);
+    // A t beyond all numbers.
+    let mut wild = program(&[1.0, 0.0, 0.0, 0.0], &[0.0, 0.0], &[(&[3.0, 1e-300], 1e200, 1e200)]);
+    wild.upper_mut()[0] = 1.0;
+    let mut solver = Solver::new(2, 1);
+    assert_eq!(solver.solve(&wild), Status::InvalidInput);
+    assert_eq!((solver.defect(), solver.working_set().count()), (Some(Defect::Overflow), 0));
+    // x >= 5.5 asks for t >= 10.5.
+    p.lower_mut()[0] = 5.5;
+    let mut solver = Solver::new(2, 1);
+    assert_eq!(solver.solve(&p), Status::Infeasible);
+    let mut conflict: Vec<_> = solver.conflict().collect();
+    conflict_proves(&p, &conflict, &[100.0, 100.0]).unwrap();
+    conflict.sort_by_key(|c| c.constraint);
+    let found: Vec<_> = conflict.iter().map(|c| (c.constraint, c.side)).collect();
+    let expected =
+        [(Constraint::Row(0), Side::Upper), (Constraint::Bound(0), Side::Lower), (Constraint::Bound(1), Side::Upper)];
+    assert_eq!(found, expected);
+    assert_near(&conflict.iter().map(|c| c.weight).collect::<Vec<_>>(), &[1.0 / 3.0, 1.0, 1.0 / 3.0]);
+}
+
+#[test]
 fn not_convex() {
     let mut solver = Solver::new(2, 0);
     for h in [[1.0, 0.0, 0.0, -1.0], [1.0, 0.0, 0.0, 0.0], [1.0, 2.0, 2.0, 1.0]] {

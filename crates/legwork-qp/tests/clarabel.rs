@@ -5,9 +5,9 @@ mod common;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::SupportedConeT::{NonnegativeConeT, ZeroConeT};
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus};
-use common::families::{Shape, contradict, general, whole_body_direct, whole_body_slack};
-use common::{Random, kkt_below};
-use legwork_qp::{Problem, Solver, Status};
+use common::families::{Shape, contradict, general, whole_body_direct, whole_body_slack, whole_body_spatial};
+use common::{Random, conflict_proves, kkt_below};
+use legwork_qp::{Constraint, Elastic, Problem, Side, Solver, Status};
 
 /// Clarabel's form: `A x + s = b`, `s` zero for equalities and positive for inequalities.
 fn reference(p: &Problem) -> (SolverStatus, Vec<f64>) {
@@ -112,4 +112,138 @@ fn whole_body_programs() {
         compared += usize::from(agree(&slack, 1e-6, &format!("slack form, seed {seed}")));
     }
     assert!(compared > 40, "{compared}");
+}
+
+/// Of `count` programs from `first` on, a fifth made infeasible: every certificate is a proof, every optimum the other
+/// solver's. Programs where the other is unsure are still held to the optimality conditions.
+fn random_family(first: u64, count: u64, change: impl Fn(&mut Shape, &mut Random)) {
+    let (mut compared, mut refused) = (0, 0);
+    for seed in first..first + count {
+        let mut rng = Random(seed);
+        let mut shape = Shape::random(&mut rng);
+        shape.ridge = shape.ridge.max(1e-3);
+        shape.scale = 0.0;
+        change(&mut shape, &mut rng);
+        let (mut p, inside) = general(&shape, &mut rng);
+        if seed % 5 == 0 && contradict(&mut p, &mut rng) {
+            let mut solver = Solver::new(p.n(), p.m());
+            assert_eq!(solver.solve(&p), Status::Infeasible, "seed {seed}");
+            let conflict: Vec<_> = solver.conflict().collect();
+            let reach: Vec<f64> = inside.iter().map(|x| 1e3 * x.abs()).collect();
+            conflict_proves(&p, &conflict, &reach).unwrap();
+            refused += 1;
+        } else if agree(&p, 1e-7, &format!("seed {seed}")) {
+            compared += 1;
+        } else {
+            let mut solver = Solver::new(p.n(), p.m());
+            assert_eq!(solver.solve(&p), Status::Optimal, "seed {seed}");
+            kkt_below(&p, &solver, 1e-9).unwrap();
+        }
+    }
+    assert!(10 * compared > 7 * count && 10 * refused > count, "{compared} compared, {refused} infeasible");
+}
+
+#[test]
+fn five_thousand_general_programs() {
+    random_family(10_000, 5000, |_, _| {});
+}
+
+/// Hessians of few squares and a ridge.
+#[test]
+fn five_thousand_rank_deficient_programs() {
+    random_family(20_000, 5000, |shape, rng| {
+        shape.rank = rng.below(shape.n);
+        shape.ridge = 10f64.powf(rng.uniform(-3.0, 0.0));
+    });
+}
+
+/// Half of the rows are copies of others or sums of two.
+#[test]
+fn five_thousand_programs_with_repeated_rows() {
+    random_family(30_000, 5000, |shape, rng| {
+        (shape.repeated, shape.m) = (0.5, 5 + rng.below(26));
+        shape.equality = rng.uniform(0.1, 0.5);
+    });
+}
+
+/// All variables have bounds, most of them tight.
+#[test]
+fn five_thousand_boxes() {
+    random_family(40_000, 5000, |shape, rng| {
+        (shape.bounded, shape.tight) = (1.0, rng.uniform(0.0, 0.9));
+        shape.m = rng.below(12);
+    });
+}
+
+#[test]
+fn spatial_programs() {
+    let compared = (0..40).filter(|&k| agree(&whole_body_spatial(k, 0.02 * k as f64), 1e-5, &format!("{k}"))).count();
+    assert!(compared > 20, "{compared}");
+}
+
+/// The sum of squared violations is the least there is, and no other point with the same violations has a lower objective.
+#[test]
+fn the_least_infeasible_point() {
+    let mut compared = 0;
+    for seed in 0..600 {
+        let mut rng = Random(seed);
+        let mut shape = Shape::random(&mut rng);
+        shape.ridge = shape.ridge.max(1e-2);
+        shape.scale = 0.0;
+        let (mut p, _) = general(&shape, &mut rng);
+        if !contradict(&mut p, &mut rng) || Solver::new(p.n(), p.m()).solve(&p) != Status::Infeasible {
+            continue;
+        }
+        let (n, m) = (p.n(), p.m());
+        let unit = |j: usize| (-p.hessian()[j * (n + 1)].log2().floor() / 2.0).ceil().exp2();
+        let mut elastic = Elastic::new(n, m);
+        // Weights that undo the units: all violations count by their squares.
+        for i in 0..m {
+            let squares: f64 = p.row(i).iter().enumerate().map(|(j, a)| (a * unit(j)).powi(2)).sum();
+            elastic.set_weight(Constraint::Row(i), if squares > 0.0 { squares } else { 1.0 });
+        }
+        (0..n).for_each(|j| elastic.set_weight(Constraint::Bound(j), unit(j).powi(2)));
+        assert_eq!(elastic.solve(&p), Status::Optimal, "seed {seed}");
+        let given_up: Vec<_> = elastic.given_up().collect();
+        let found: f64 = given_up.iter().map(|given| given.violation.powi(2)).sum();
+
+        let mut sum = Problem::new(n + m + n, m + n);
+        let width = sum.n();
+        for c in 0..m + n {
+            sum.hessian_mut()[(n + c) * (width + 1)] = 2.0;
+            let (row, lower, upper) = if c < m {
+                (p.row(c).to_vec(), p.row_lower()[c], p.row_upper()[c])
+            } else {
+                let row = (0..n).map(|k| f64::from(u8::from(k == c - m))).collect();
+                (row, p.lower()[c - m], p.upper()[c - m])
+            };
+            sum.row_mut(c)[..n].copy_from_slice(&row);
+            sum.row_mut(c)[n + c] = 1.0;
+            sum.row_lower_mut()[c] = lower;
+            sum.row_upper_mut()[c] = upper;
+        }
+        let (status, x) = reference(&sum);
+        if status != SolverStatus::Solved {
+            continue;
+        }
+        let least: f64 = x[n..].iter().map(|v| v * v).sum();
+        assert!((found - least).abs() < 1e-6 * least + 1e-10, "seed {seed}: {found} instead of {least}");
+
+        // The bounds moved to where they hold, and a little further.
+        for given in given_up {
+            let moved = given.violation * (1.0 + 1e-8) + 1e-10;
+            match (given.constraint, given.side) {
+                (Constraint::Row(i), Side::Lower) => p.row_lower_mut()[i] -= moved,
+                (Constraint::Row(i), _) => p.row_upper_mut()[i] += moved,
+                (Constraint::Bound(j), Side::Lower) => p.lower_mut()[j] -= moved,
+                (Constraint::Bound(j), _) => p.upper_mut()[j] += moved,
+            }
+        }
+        let mut solver = Solver::new(n, m);
+        assert_eq!(solver.solve(&p), Status::Optimal, "seed {seed}");
+        let (found, best) = (p.objective(elastic.x()), p.objective(solver.x()));
+        assert!(found - best < 1e-4 * (1.0 + best.abs()), "seed {seed}: {found} instead of {best}");
+        compared += 1;
+    }
+    assert!(compared > 150, "{compared}");
 }

@@ -6,36 +6,47 @@ use crate::spatial::Force;
 
 impl Dynamics {
     /// The force that each body alone needs to move as it does at q̈ = 0: f_i = I_i A_i + V_i ×* I_i V_i. Featherstone
-    /// 2008, (5.9), without gravity. Sums momentum and kinetic energy on the way.
-    pub(crate) fn body_forces(&mut self) {
+    /// 2008, (5.9), without gravity; then summed from the tips to the base. Sums momentum and kinetic energy on the way.
+    pub(crate) fn forces(&mut self, model: &Model) {
         self.momentum = Force::zero();
         let mut twice_energy = 0.0;
-        for i in 0..self.composite.len() {
-            let inertia = &self.composite[i];
+        for ((force, inertia), (velocity, acceleration)) in
+            self.force.iter_mut().zip(&self.inertia).zip(self.velocity.iter().zip(&self.acceleration))
+        {
             if inertia.mass == 0.0 {
-                self.force[i] = Force::zero();
+                *force = Force::zero();
                 continue;
             }
-            let momentum = inertia.momentum(&self.velocity[i]);
-            let mut force = inertia.momentum(&self.acceleration[i]);
-            force += self.velocity[i].cross_force(&momentum);
-            twice_energy += self.velocity[i].dot(&momentum);
-            self.force[i] = force;
+            let momentum = inertia.momentum(velocity);
+            *force = inertia.momentum(acceleration);
+            *force += velocity.cross_force(&momentum);
+            twice_energy += velocity.dot(&momentum);
             self.momentum += momentum;
         }
         self.kinetic_energy = 0.5 * twice_energy;
+        for (i, body) in model.bodies.iter().enumerate().rev() {
+            if let Some(parent) = body.parent {
+                let force = self.force[i];
+                self.force[parent] += force;
+            }
+        }
     }
 
-    /// h = C v + G and G from the accumulated forces and inertias; B v from the joints' damping.
-    pub(crate) fn generalised_forces(&mut self, model: &Model, v: &[f64]) {
+    /// G from the accumulated inertias.
+    pub(crate) fn gravity(&mut self, model: &Model) {
         for (j, dof) in model.dofs.iter().enumerate() {
             let s = &self.subspace[j];
             let subtree = &self.composite[dof.body];
             // Bearing the weight of what j carries, m g upward at its centre of mass: S_j · (m c × g ẑ, m g ẑ)
             let c = &subtree.first_moment;
-            let gravity = model.gravity * (subtree.mass * s.linear.z + s.angular.x * c.y - s.angular.y * c.x);
-            self.gravity[j] = gravity;
-            self.bias[j] = s.dot(&self.force[dof.body]) + gravity;
+            self.gravity[j] = model.gravity * (subtree.mass * s.linear.z + s.angular.x * c.y - s.angular.y * c.x);
+        }
+    }
+
+    /// h = C v + G from the accumulated forces; B v from the joints' damping.
+    pub(crate) fn generalised_forces(&mut self, model: &Model, v: &[f64]) {
+        for (j, dof) in model.dofs.iter().enumerate() {
+            self.bias[j] = self.subspace[j].dot(&self.force[dof.body]) + self.gravity[j];
             self.damping[j] = dof.damping * v[j];
         }
     }

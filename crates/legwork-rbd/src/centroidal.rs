@@ -13,31 +13,20 @@ impl Dynamics {
         self.com_velocity = self.momentum.linear / mass;
         self.potential_energy = mass * model.gravity * self.com.z;
 
-        let (angular, linear) = (model.angular_axes(), model.linear_axes());
-        let rows = angular.len() + linear.len();
-        let A = self.momentum_matrix.as_mut_slice();
-        let J = self.com_jacobian.as_mut_slice();
-        for (j, momentum) in self.subspace_momentum.iter().enumerate() {
+        let (angular, linear) = (model.angular_axes().len(), model.linear_axes().len());
+        let A = self.momentum_matrix.as_mut_slice().chunks_exact_mut(angular + linear);
+        let J = self.com_jacobian.as_mut_slice().chunks_exact_mut(linear);
+        for ((momentum, A), J) in self.subspace_momentum.iter().zip(A).zip(J) {
             // Column j: the momentum of all that j carries at unit speed, shifted from the reference point to the CoM
-            let about_com = momentum.angular_about(&com);
-            for (r, axis) in angular.iter().enumerate() {
-                A[j * rows + r] = axis.dot(&about_com);
-            }
-            for (r, axis) in linear.iter().enumerate() {
-                let row = axis.dot(&momentum.linear);
-                A[j * rows + angular.len() + r] = row;
-                J[j * linear.len() + r] = row / mass;
-            }
+            A[..angular].copy_from_slice(&model.angular_components(&momentum.angular_about(&com))[..angular]);
+            A[angular..].copy_from_slice(&model.linear_components(&momentum.linear)[..linear]);
+            J.copy_from_slice(&model.linear_components(&(momentum.linear / mass))[..linear]);
         }
 
         // Ȧ v: the rate of momentum at q̈ = 0 is the force on the whole robot. The shift to the moving CoM adds −ċ × m ċ = 0.
         let force = &self.force[0];
-        let about_com = force.angular_about(&com);
-        for (r, axis) in angular.iter().enumerate() {
-            self.momentum_bias[r] = axis.dot(&about_com);
-        }
-        for (r, axis) in linear.iter().enumerate() {
-            self.momentum_bias[angular.len() + r] = axis.dot(&force.linear);
-        }
+        let bias = self.momentum_bias.as_mut_slice();
+        bias[..angular].copy_from_slice(&model.angular_components(&force.angular_about(&com))[..angular]);
+        bias[angular..].copy_from_slice(&model.linear_components(&force.linear)[..linear]);
     }
 }

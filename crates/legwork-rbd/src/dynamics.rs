@@ -62,6 +62,9 @@ pub struct Dynamics {
     pub(crate) acceleration: Vec<Motion>,
     pub(crate) subspace: Vec<Motion>,
     pub(crate) subspace_momentum: Vec<Force>,
+    /// Of single bodies.
+    pub(crate) inertia: Vec<Inertia>,
+    /// Of bodies with all that they carry.
     pub(crate) composite: Vec<Inertia>,
     pub(crate) force: Vec<Force>,
     pub(crate) momentum: Force,
@@ -109,6 +112,7 @@ impl Dynamics {
             acceleration: vec![Motion::zero(); nb],
             subspace: vec![Motion::zero(); nv],
             subspace_momentum: vec![Force::zero(); nv],
+            inertia: vec![Inertia::zero(); nb],
             composite: vec![Inertia::zero(); nb],
             force: vec![Force::zero(); nb],
             momentum: Force::zero(),
@@ -119,27 +123,48 @@ impl Dynamics {
         }
     }
 
-    /// Computes everything at the position `q` (nq) and velocity `v` (nv) in one pass out and one back. Allocates nothing.
+    /// Computes everything at the position `q` (nq) and velocity `v` (nv). Allocates nothing.
     /// The quaternion of a floating base need not have unit length, but must not be zero.
     ///
     /// # Panics
     /// If a slice has a wrong length, or if `self` was made for another model.
     pub fn update(&mut self, model: &Model, q: &[f64], v: &[f64]) {
-        assert_eq!((q.len(), v.len()), (model.nq(), model.nv()), "lengths of q and v");
+        self.update_position(model, q);
+        self.update_bias(model, v);
+        self.centroidal(model);
+        self.contacts(model);
+        self.torso(model, q);
+    }
+
+    /// The first stage of [`Dynamics::update`]: only what the position `q` (nq) decides and an equation of motion needs,
+    /// that is `mass_matrix`, `gravity`, `world_from_body`, `contact_positions` and the motion subspaces.
+    ///
+    /// # Panics
+    /// As [`Dynamics::update`].
+    pub fn update_position(&mut self, model: &Model, q: &[f64]) {
+        assert_eq!(q.len(), model.nq(), "length of q");
         assert_eq!(
             (self.subspace.len(), self.force.len(), self.contact_positions.len()),
             (model.nv(), model.bodies.len(), model.nc()),
             "this Dynamics was made for another model"
         );
-        self.kinematics(model, q, v);
-        self.body_inertias(model);
-        self.body_forces();
-        self.accumulate(model);
+        self.poses(model, q);
+        self.inertias(model);
         self.mass_matrix(model);
+        self.gravity(model);
+    }
+
+    /// The second stage: what the velocity `v` (nv) adds at the latest position, that is `bias`, `damping`,
+    /// `kinetic_energy` and the velocities and accelerations of points of bodies. It may be repeated with other
+    /// velocities.
+    ///
+    /// # Panics
+    /// As [`Dynamics::update`].
+    pub fn update_bias(&mut self, model: &Model, v: &[f64]) {
+        assert_eq!(v.len(), model.nv(), "length of v");
+        self.velocities(model, v);
+        self.forces(model);
         self.generalised_forces(model, v);
-        self.centroidal(model);
-        self.contacts(model);
-        self.torso(model, q);
     }
 
     /// The torso's posture [rad]: by how much it is turned from its orientation at the zero position.
@@ -172,6 +197,55 @@ impl Dynamics {
             }
             j = self.parent_dof[j];
         }
+    }
+
+    /// The generalised force of `force` [N] on a point that is fixed to `body` and now at `world_point` [m], added to
+    /// `out` (nv). Of the latest position.
+    pub fn add_point_force(&self, body: usize, world_point: &Vector3<f64>, force: &Vector3<f64>, out: &mut [f64]) {
+        let at = world_point - self.reference;
+        let mut j = self.last_dof[body];
+        while j != NONE {
+            out[j] += self.subspace[j].linear_at(&at).dot(force);
+            j = self.parent_dof[j];
+        }
+    }
+
+    /// The generalised force of `force` [N] on the centre of mass, added to `out` (nv). Of the latest position.
+    pub fn add_com_force(&self, force: &Vector3<f64>, out: &mut [f64]) {
+        let mass = self.composite[0].mass;
+        for (value, momentum) in out.iter_mut().zip(&self.subspace_momentum) {
+            *value += momentum.linear.dot(force) / mass;
+        }
+    }
+
+    /// The velocity coordinates that move `body`, from the base outward.
+    #[must_use]
+    pub fn chain(&self, body: usize) -> Vec<usize> {
+        let mut chain = Vec::new();
+        let mut j = self.last_dof[body];
+        while j != NONE {
+            chain.push(j);
+            j = self.parent_dof[j];
+        }
+        chain.reverse();
+        chain
+    }
+
+    /// How a point moves that is fixed to what coordinate `j` moves and now at `world_point` [m], at unit speed of `j`:
+    /// angular, and linear at the point. Of the latest position.
+    #[inline]
+    #[must_use]
+    pub fn unit_motion(&self, j: usize, world_point: &Vector3<f64>) -> Motion {
+        let s = &self.subspace[j];
+        Motion { angular: s.angular, linear: s.linear_at(&(world_point - self.reference)) }
+    }
+
+    /// The angular velocity of `body`, and the velocity of its point that is now at `world_point` [m].
+    #[inline]
+    #[must_use]
+    pub fn motion_at(&self, body: usize, world_point: &Vector3<f64>) -> Motion {
+        let velocity = &self.velocity[body];
+        Motion { angular: velocity.angular, linear: velocity.linear_at(&(world_point - self.reference)) }
     }
 
     /// The velocity [m/s] of a point that is fixed to `body` and now at `world_point` [m].
@@ -213,26 +287,25 @@ impl Dynamics {
     }
 
     fn contacts(&mut self, model: &Model) {
-        let axes = model.linear_axes();
-        let rows = axes.len() * model.nc();
+        for ((out, velocity), placement) in self.body_velocity.iter_mut().zip(&self.velocity).zip(&self.relative) {
+            *out = Motion { angular: velocity.angular, linear: velocity.linear_at(&placement.translation) };
+        }
+        let d = model.linear_axes().len();
+        let rows = d * model.nc();
         for (k, contact) in model.contacts.iter().enumerate() {
             let at = self.relative[contact.body].point(&contact.position);
-            let position = self.reference + at;
-            self.contact_positions[k] = position;
-            self.contact_velocities[k] = self.velocity[contact.body].linear_at(&at);
             let velocity = &self.velocity[contact.body];
+            self.contact_velocities[k] = velocity.linear_at(&at);
             let bias =
                 self.acceleration[contact.body].linear_at(&at) + velocity.angular.cross(&self.contact_velocities[k]);
-            let first = axes.len() * k;
-            for (r, axis) in axes.iter().enumerate() {
-                self.contact_bias[first + r] = axis.dot(&bias);
-            }
+            let first = d * k;
+            self.contact_bias.as_mut_slice()[first..first + d].copy_from_slice(&model.linear_components(&bias)[..d]);
             let J = self.contact_jacobian.as_mut_slice();
             let mut j = self.last_dof[contact.body];
             while j != NONE {
-                let column = self.subspace[j].linear_at(&at);
-                for (r, axis) in axes.iter().enumerate() {
-                    J[j * rows + first + r] = axis.dot(&column);
+                let column = model.linear_components(&self.subspace[j].linear_at(&at));
+                for (entry, value) in J[j * rows + first..j * rows + first + d].iter_mut().zip(column) {
+                    *entry = value;
                 }
                 j = self.parent_dof[j];
             }

@@ -91,6 +91,27 @@ pub(crate) fn rotation_about(axis: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
     Matrix3::new(tx * a.x + c, xy - sz, xz + sy, xy + sz, ty * a.y + c, yz - sx, xz - sy, yz + sx, tz * a.z + c)
 }
 
+/// `rotation` times the rotation by `angle` about the unit vector `axis`. An axis of the frame itself, which most joints
+/// turn about, mixes the two other columns only.
+#[inline]
+pub(crate) fn turned(rotation: &Matrix3<f64>, axis: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
+    let (a, b, sign) = match (axis.x, axis.y, axis.z) {
+        (x, 0.0, 0.0) => (1, 2, x),
+        (0.0, y, 0.0) => (2, 0, y),
+        (0.0, 0.0, z) => (0, 1, z),
+        _ => return rotation * rotation_about(axis, angle),
+    };
+    let (s, c) = libm::sincos(angle);
+    let s = sign * s;
+    let mut out = *rotation;
+    for r in 0..3 {
+        let (p, q) = (rotation[(r, a)], rotation[(r, b)]);
+        out[(r, a)] = c * p + s * q;
+        out[(r, b)] = c * q - s * p;
+    }
+    out
+}
+
 /// Fixed-axis roll, pitch, yaw (as in URDF): `Rz(yaw) Ry(pitch) Rx(roll)`.
 pub(crate) fn rotation_from_rpy(rpy: [f64; 3]) -> Matrix3<f64> {
     rotation_about(&Vector3::z(), rpy[2])

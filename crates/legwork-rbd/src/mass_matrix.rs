@@ -1,30 +1,30 @@
 //! Composite rigid bodies and the mass matrix. Featherstone 2008, Section 6.2 and Table 6.2.
 
+use nalgebra::Matrix3;
+
 use crate::dynamics::{Dynamics, NONE};
+use crate::joint::Base;
 use crate::model::Model;
 use crate::spatial::Inertia;
 
 impl Dynamics {
-    /// Each body's own inertia about the reference point, world axes; `composite` still holds single bodies.
-    pub(crate) fn body_inertias(&mut self, model: &Model) {
+    /// Each body's own inertia about the reference point, world axes, and their sums from the tips to the base:
+    /// I^c_i = Σ_{k in subtree of i} I_k.
+    pub(crate) fn inertias(&mut self, model: &Model) {
         for (i, body) in model.bodies.iter().enumerate() {
             let frame = &self.relative[i];
-            self.composite[i] = if body.mass > 0.0 {
-                let about_com = frame.rotation * body.inertia * frame.rotation.transpose();
+            self.inertia[i] = if body.mass > 0.0 {
+                let about_com = rotated(&body.inertia, &frame.rotation);
                 Inertia::new(body.mass, &frame.point(&body.com), &about_com)
             } else {
                 Inertia::zero()
             };
         }
-    }
-
-    /// Sums inertias and bias forces from the tips to the base: I^c_i = Σ_{k in subtree of i} I_k.
-    pub(crate) fn accumulate(&mut self, model: &Model) {
+        self.composite.copy_from_slice(&self.inertia);
         for (i, body) in model.bodies.iter().enumerate().rev() {
             if let Some(parent) = body.parent {
-                let (inertia, force) = (self.composite[i], self.force[i]);
+                let inertia = self.composite[i];
                 self.composite[parent] += inertia;
-                self.force[parent] += force;
             }
         }
     }
@@ -33,16 +33,41 @@ impl Dynamics {
     pub(crate) fn mass_matrix(&mut self, model: &Model) {
         let nv = self.subspace.len();
         let M = self.mass_matrix.as_mut_slice();
-        for j in 0..nv {
-            let momentum = self.composite[model.dofs[j].body].momentum(&self.subspace[j]);
+        // A floating base's subspace are the axes of its frame: rows 0 to 5 are the momentum's components along them.
+        let base = if model.base == Base::Floating { 6 } else { 0 };
+        let axes = self.relative[0].rotation;
+        for (j, (dof, subspace)) in model.dofs.iter().zip(&self.subspace).enumerate() {
+            let momentum = self.composite[dof.body].momentum(subspace);
             self.subspace_momentum[j] = momentum;
+            let column = &mut M[j * nv..(j + 1) * nv];
+            if base > 0 {
+                let (angular, linear) = (axes.tr_mul(&momentum.angular), axes.tr_mul(&momentum.linear));
+                column[..3].copy_from_slice(angular.as_slice());
+                column[3..6].copy_from_slice(linear.as_slice());
+            }
             let mut i = j;
-            while i != NONE {
-                let entry = self.subspace[i].dot(&momentum);
-                M[i * nv + j] = entry;
-                M[j * nv + i] = entry;
+            while i != NONE && i >= base {
+                column[i] = self.subspace[i].dot(&momentum);
                 i = self.parent_dof[i];
             }
         }
+        // The other triangle. Where neither coordinate carries the other there is a zero to copy.
+        for j in 1..nv {
+            let (before, column) = M.split_at_mut(j * nv);
+            for (row, entry) in before.chunks_exact_mut(nv).zip(&*column) {
+                row[j] = *entry;
+            }
+        }
     }
+}
+
+/// `R I Rᵀ` of a symmetric I.
+#[inline]
+fn rotated(inertia: &Matrix3<f64>, rotation: &Matrix3<f64>) -> Matrix3<f64> {
+    let half = rotation * inertia;
+    let entry = |i: usize, j: usize| {
+        half[(i, 0)] * rotation[(j, 0)] + half[(i, 1)] * rotation[(j, 1)] + half[(i, 2)] * rotation[(j, 2)]
+    };
+    let (xy, xz, yz) = (entry(0, 1), entry(0, 2), entry(1, 2));
+    Matrix3::new(entry(0, 0), xy, xz, xy, entry(1, 1), yz, xz, yz, entry(2, 2))
 }

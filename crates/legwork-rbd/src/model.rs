@@ -135,6 +135,18 @@ impl Model {
         if self.is_planar() { &PLANAR_ANGULAR } else { &SPATIAL }
     }
 
+    /// The components of `vector` along [`Model::linear_axes`]; the last one is zero in the plane.
+    #[inline]
+    pub(crate) fn linear_components(&self, vector: &Vector3<f64>) -> [f64; 3] {
+        if self.is_planar() { [vector.x, vector.z, 0.0] } else { [vector.x, vector.y, vector.z] }
+    }
+
+    /// The components of `vector` along [`Model::angular_axes`]; all but the first are zero in the plane.
+    #[inline]
+    pub(crate) fn angular_components(&self, vector: &Vector3<f64>) -> [f64; 3] {
+        if self.is_planar() { [-vector.y, 0.0, 0.0] } else { [vector.x, vector.y, vector.z] }
+    }
+
     /// The root link's index in [`Model::bodies`].
     #[must_use]
     pub fn root(&self) -> usize {

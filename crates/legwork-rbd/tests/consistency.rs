@@ -154,3 +154,50 @@ fn planar_robot_stays_in_its_plane_when_turned_to_a_floating_one() {
 fn torso_elevation(dynamics: &Dynamics, model: &Model) -> f64 {
     dynamics.world_from_body[model.torso].rotation[(2, 0)]
 }
+
+#[test]
+fn the_stages_of_an_update_give_its_bits() {
+    for base in [Base::Fixed, Base::Planar, Base::Floating] {
+        let (model, q, v, whole) = random_state(7, 8, base);
+        let other: Vec<f64> = v.iter().map(|v| 0.5 - v).collect();
+        let mut staged = Dynamics::new(&model);
+        staged.update_position(&model, &q);
+        // Bias at another velocity in between: nothing of it may stay.
+        staged.update_bias(&model, &other);
+        assert_ne!(staged.bias, whole.bias);
+        staged.update_bias(&model, &v);
+        assert_eq!(staged.mass_matrix, whole.mass_matrix);
+        assert_eq!((&staged.bias, &staged.gravity, &staged.damping), (&whole.bias, &whole.gravity, &whole.damping));
+        assert_eq!(staged.contact_positions, whole.contact_positions);
+        assert_eq!(staged.world_from_body, whole.world_from_body);
+        assert_eq!(staged.kinetic_energy.to_bits(), whole.kinetic_energy.to_bits());
+    }
+}
+
+#[test]
+fn forces_on_points_and_on_the_centre_of_mass_go_through_their_jacobians() {
+    for base in [Base::Fixed, Base::Planar, Base::Floating] {
+        let (model, _, v, dynamics) = random_state(11, 8, base);
+        let force = if base == Base::Planar { Vector3::new(3.0, 0.0, -2.0) } else { Vector3::new(3.0, 5.0, -2.0) };
+        let components =
+            DVector::from_iterator(model.linear_axes().len(), model.linear_axes().iter().map(|axis| axis.dot(&force)));
+        let mut J = DMatrix::zeros(components.len(), model.nv());
+        let (body, point) = (model.bodies.len() - 1, Vector3::new(0.2, 0.0, -0.4));
+        dynamics.point_jacobian(&model, body, &point, &mut J);
+        let mut out = vec![0.0; model.nv()];
+        dynamics.add_point_force(body, &point, &force, &mut out);
+        assert_close("on a point", &out, (J.transpose() * &components).as_slice(), 1e-12);
+        out.fill(0.0);
+        dynamics.add_com_force(&force, &mut out);
+        assert_close("on the CoM", &out, (dynamics.com_jacobian.transpose() * &components).as_slice(), 1e-12);
+
+        let chain = dynamics.chain(body);
+        let mut sum = Vector3::zeros();
+        for &j in &chain {
+            sum += dynamics.unit_motion(j, &point).linear * v[j];
+        }
+        let motion = dynamics.motion_at(body, &point);
+        assert_close("velocity", sum.as_slice(), motion.linear.as_slice(), 1e-12);
+        assert_eq!(motion.linear, dynamics.point_velocity(body, &point));
+    }
+}

@@ -61,6 +61,24 @@ impl Fallback {
     }
 }
 
+/// A part of a control tick, in the order in which they are done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    /// References and goals.
+    Reference,
+    /// The program written down; once more for each fallback.
+    Assembly,
+    /// The program solved; once more for each fallback.
+    Solve,
+    /// The solution read, and which limits are active.
+    Reading,
+}
+
+impl Part {
+    /// In their order.
+    pub const ALL: [Self; 4] = [Self::Reference, Self::Assembly, Self::Solve, Self::Reading];
+}
+
 /// The report of one tick.
 #[derive(Clone, Debug)]
 pub struct Tick {
@@ -153,15 +171,22 @@ impl Controller {
 
     /// One control tick: torques for `estimate`, whose dynamics are in `dynamics`. Allocates nothing.
     pub fn tick(&mut self, estimate: &Estimate, dynamics: &Dynamics) -> &Tick {
+        self.tick_in_parts(estimate, dynamics, |_part| {})
+    }
+
+    /// As [`Controller::tick`], and tells `done` after each part, so that a caller with a clock can time them.
+    pub fn tick_in_parts(&mut self, estimate: &Estimate, dynamics: &Dynamics, mut done: impl FnMut(Part)) -> &Tick {
         self.refer(estimate, dynamics);
-        self.plan(estimate, dynamics);
-        self.solve(estimate, dynamics);
+        self.planner.plan(&self.model, dynamics, &self.feet, &estimate.v, self.generator.reference());
+        done(Part::Reference);
+        self.solve(estimate, dynamics, &mut done);
         self.name_limits();
+        done(Part::Reading);
         &self.tick
     }
 
-    /// First stage: the reference, and which contacts may carry force.
-    pub fn refer(&mut self, estimate: &Estimate, dynamics: &Dynamics) {
+    /// The reference, and which contacts may carry force.
+    fn refer(&mut self, estimate: &Estimate, dynamics: &Dynamics) {
         self.feet.update(&self.model, dynamics);
         self.generator.update(&observe(dynamics, &self.feet, estimate));
         let swinging = self.generator.swing().map(|(foot, _)| foot);
@@ -171,13 +196,8 @@ impl Controller {
         }
     }
 
-    /// Second stage: the goals.
-    pub fn plan(&mut self, estimate: &Estimate, dynamics: &Dynamics) {
-        self.planner.plan(&self.model, dynamics, &self.feet, &estimate.v, self.generator.reference());
-    }
-
-    /// Third stage: the program is built, solved and read, with the fallbacks where it has no solution as it stands.
-    pub fn solve(&mut self, estimate: &Estimate, dynamics: &Dynamics) {
+    /// The program is built, solved and read, with the fallbacks where it has no solution as it stands.
+    fn solve(&mut self, estimate: &Estimate, dynamics: &Dynamics, done: &mut impl FnMut(Part)) {
         let settings = &self.settings;
         let mut inputs = Inputs {
             model: &self.model,
@@ -193,6 +213,8 @@ impl Controller {
             tracking: &settings.tracking,
             relaxed: Relaxation::default(),
         };
+        // Contacts that come back meet the limits that they met before.
+        self.solver.select_mode(self.stance.iter().fold(0, |mode, &stands| mode << 1 | u64::from(stands)));
         let tick = &mut self.tick;
         tick.conflict.clear();
         tick.iterations = 0;
@@ -220,7 +242,9 @@ impl Controller {
                 _ => {}
             }
             qp::build(&self.layout, &inputs, &mut self.problem);
+            done(Part::Assembly);
             let status = self.solver.solve(&self.problem);
+            done(Part::Solve);
             tick.solves += 1;
             tick.iterations += self.solver.iterations();
             if fallback == Fallback::None {
@@ -234,7 +258,7 @@ impl Controller {
         }
     }
 
-    /// Last stage: which limits are active.
+    /// Which limits are active.
     fn name_limits(&mut self) {
         let tick = &mut self.tick;
         tick.active.fill(0);

@@ -29,6 +29,7 @@ pub mod metrics;
 pub mod planner;
 pub mod published;
 pub mod qp;
+pub mod recording;
 pub mod reference;
 pub mod reproduce;
 pub mod scenario;

@@ -153,6 +153,54 @@ fn a_box_in_space_sticks_and_slides_as_in_the_plane() {
     }
 }
 
+/// `exo18` with bent knees, soles on the ground.
+fn exo18() -> (Model, Vec<f64>) {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/exo18.urdf");
+    let model = Model::load(&path).expect("a valid model");
+    let mut q = model.neutral().as_slice().to_vec();
+    for leg in [7, 13] {
+        (q[leg + 1], q[leg + 3], q[leg + 4]) = (0.2, 0.4, 0.2);
+    }
+    let mut dynamics = legwork_rbd::Dynamics::new(&model);
+    dynamics.update(&model, &q, &vec![0.0; model.nv()]);
+    q[6] = -dynamics.contact_positions[0].z;
+    (model, q)
+}
+
+#[test]
+fn box_feet_carry_the_weight_on_corners_that_nothing_tells_apart() {
+    let (model, start) = exo18();
+    let mut simulator = simulator(&Scenario::default(), &model, &start);
+    let mut torque = vec![0.0; 12];
+    let (mut carried, mut steps) = (0.0, 0.0);
+    for step in 0..1500 {
+        for (j, torque) in torque.iter_mut().enumerate() {
+            *torque = 1500.0 * (start[7 + j] - simulator.q()[7 + j]) - 60.0 * simulator.v()[6 + j];
+        }
+        assert!(simulator.step(&torque));
+        if step >= 1000 {
+            carried += simulator.contact_forces().chunks(3).map(|force| force[2]).sum::<f64>();
+            steps += 1.0;
+        }
+    }
+    let weight = model.total_mass() * model.gravity;
+    assert!((carried / steps - weight).abs() < 0.01 * weight, "{} of {weight} N", carried / steps);
+    assert_eq!(simulator.audit().violations(), Vec::<String>::new());
+    assert!(simulator.audit().contact_residual_n <= 2e-6, "{}", simulator.audit().contact_residual_n);
+    assert!(simulator.audit().slip_m < 1e-3, "stands: {}", simulator.audit().slip_m);
+}
+
+#[test]
+fn what_was_simulated_before_leaves_no_trace_in_a_fresh_simulator() {
+    let (model, start) = exo18();
+    let run = || {
+        let mut simulator = simulator(&Scenario::default(), &model, &start);
+        advance(&mut simulator, &[5.0; 12], 1e-3, 0.05);
+        simulator.q().iter().chain(simulator.contact_forces()).map(|value| value.to_bits()).collect::<Vec<u64>>()
+    };
+    assert_eq!(run(), run());
+}
+
 /// The humanoid high above the ground, driven by constant torques.
 fn in_flight(integrator: Integrator, period: f64) -> Simulator {
     let mut scenario = Scenario::default();

@@ -9,6 +9,7 @@ mod charts;
 pub(crate) mod document;
 pub(crate) mod envelope;
 mod figures;
+pub(crate) mod growth;
 mod limits;
 mod origin;
 pub(crate) mod reproduction;

@@ -1,5 +1,6 @@
 //! The program as its users meet it: started as a process, in a folder of its own.
 
+mod bench;
 mod commands;
 mod inspect;
 mod interrupt;

@@ -331,3 +331,63 @@ pub fn whole_body_direct(seed: u64, time: f64) -> Problem {
     friction(&mut p, 7, 7, seed.is_multiple_of(2));
     p
 }
+
+/// A humanoid's control: 18 accelerations, of which the first six are the base's, and the forces of eight contact points;
+/// 6 equality rows (the base's dynamics), 12 torque rows, 40 friction rows. Feet are lifted in turn, for 0.3 s of each 0.8 s.
+pub fn whole_body_spatial(seed: u64, time: f64) -> Problem {
+    const NV: usize = 18;
+    const N: usize = NV + 24;
+    let mut rng = Random(seed);
+    let mut wave = |amplitude: f64| {
+        let (phase, rate) = (rng.uniform(0.0, 6.0), rng.uniform(0.5, 2.0));
+        amplitude * (phase + rate * time).sin()
+    };
+    let mut p = Problem::new(N, 58);
+    for weight in [1e3, 1e3, 1e3, 1e2, 1e2, 1e2, 1e3, 1e3, 1e3, 10.0, 10.0, 10.0] {
+        let mut task = vec![0.0; N];
+        task[..NV].fill_with(|| wave(1.0));
+        let wanted = wave(4.0);
+        add_square(&mut p, &task, weight);
+        (0..NV).for_each(|j| p.gradient_mut()[j] -= weight * wanted * task[j]);
+    }
+    for j in 0..N {
+        p.hessian_mut()[j * (N + 1)] += if j < NV { 1e-2 } else { 1e-4 };
+        p.lower_mut()[j] = if j < NV { -300.0 } else { -2000.0 };
+        p.upper_mut()[j] = -p.lower()[j];
+    }
+    let factor: Vec<f64> = (0..NV * 20).map(|_| wave(0.6)).collect();
+    for i in 0..NV {
+        for j in 0..NV {
+            let product = (0..20).map(|k| factor[i * 20 + k] * factor[j * 20 + k]);
+            p.row_mut(i)[j] = product.sum::<f64>() + if i == j { 0.3 } else { 0.0 };
+        }
+        for k in 0..24 {
+            // Point k / 3 at corners of a foot, the base's dynamics with the force itself and its moment.
+            let own = f64::from(u8::from(i < 3 && k % 3 == i));
+            let arm = if (3..6).contains(&i) { wave(0.5) } else { 0.0 };
+            let leg = if i >= 6 && (i - 6) / 6 == k / 12 { wave(0.5) } else { 0.0 };
+            p.row_mut(i)[NV + k] = -(own + arm + leg);
+        }
+        let weight = if i == 2 { 600.0 } else { 0.0 };
+        let (bias, limit) = (weight + wave(20.0), if i < 6 { 0.0 } else { 150.0 });
+        p.row_lower_mut()[i] = -bias - limit;
+        p.row_upper_mut()[i] = -bias + limit;
+    }
+    let phase = time % 0.8;
+    let lifted = [(0.1..0.4).contains(&phase), (0.5..0.8).contains(&phase)];
+    for point in 0..8 {
+        let (row, force) = (NV + 5 * point, NV + 3 * point);
+        for (k, (axis, sign)) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)].into_iter().enumerate() {
+            p.row_mut(row + k)[force + axis] = sign;
+            p.row_mut(row + k)[force + 2] = -0.5;
+            p.row_upper_mut()[row + k] = 0.0;
+        }
+        p.row_mut(row + 4)[force + 2] = 1.0;
+        p.row_lower_mut()[row + 4] = 0.0;
+        if lifted[point / 4] {
+            p.lower_mut()[force..force + 3].fill(0.0);
+            p.upper_mut()[force..force + 3].fill(0.0);
+        }
+    }
+    p
+}

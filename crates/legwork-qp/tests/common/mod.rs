@@ -2,6 +2,7 @@
 #![allow(dead_code, unreachable_pub, reason = "each test binary uses a part")]
 
 pub mod families;
+pub mod recorded;
 
 use legwork_qp::{Conflict, Constraint, Problem, Side, Solver};
 

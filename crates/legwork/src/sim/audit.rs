@@ -3,8 +3,8 @@
 //! Energy is held against the work of all forces, the linear momentum against their impulses; penetration, friction
 //! cone, slip and the contact solver's residual are watched in every step.
 
-use legwork_rbd::{Dynamics, Model};
-use nalgebra::{DMatrix, Vector3};
+use legwork_rbd::Dynamics;
+use nalgebra::Vector3;
 
 use super::contact_solver::Report;
 use crate::contact::GroundPlane;
@@ -39,29 +39,25 @@ pub struct Audit {
     impulse: Vector3<f64>,
 }
 
-/// What one step did.
+/// What one step did, but for its contacts.
 #[derive(Debug)]
 pub struct Step<'a> {
-    /// The robot.
-    pub model: &'a Model,
-    /// The ground.
-    pub ground: &'a GroundPlane,
     /// Generalized force of the joints' damping, which opposes the motion.
     pub damping: &'a [f64],
     /// Time step [s].
     pub period: f64,
+    /// Acceleration of gravity [m/s²].
+    pub gravity: f64,
     /// Velocities before and after.
     pub v: [&'a [f64]; 2],
-    /// Torques of the actuated joints [Nm].
+    /// The coordinates that a motor drives.
+    pub actuated: &'a [usize],
+    /// Their torques [Nm].
     pub torque: &'a [f64],
     /// Sum of the pushes [N].
     pub push: Vector3<f64>,
     /// Generalized force of the pushes.
     pub push_force: &'a [f64],
-    /// Contact Jacobian in contact coordinates.
-    pub rows: &'a DMatrix<f64>,
-    /// Contact impulses in contact coordinates [Ns].
-    pub impulse: &'a [f64],
     /// What the contact solver said.
     pub report: Report,
 }
@@ -95,40 +91,48 @@ impl Audit {
         self.com_velocity_at_start = dynamics.com_velocity;
     }
 
-    /// Enters the work and the impulses of a step.
+    /// Enters the work and the impulses of a step, but for its contacts.
     pub(super) fn account(&mut self, step: &Step<'_>) {
         let (dt, [before, after]) = (step.period, step.v);
         let mean = |j: usize| 0.5 * (before[j] + after[j]);
         // The kinetic energy at fixed configuration changes by exactly force · (v + v⁺)/2.
-        for (dof, torque) in step.model.actuated().zip(step.torque) {
+        for (&dof, torque) in step.actuated.iter().zip(step.torque) {
             self.enter(dt * torque * mean(dof));
         }
         self.enter((0..before.len()).map(|j| dt * step.push_force[j] * mean(j)).sum());
         self.enter((0..before.len()).map(|j| -dt * step.damping[j] * mean(j)).sum());
-
-        let d = step.ground.dimension();
-        let mut contact_work = 0.0;
-        for (contact, impulse) in step.impulse.chunks_exact(d).enumerate() {
-            let row_times =
-                |k: usize, v: &[f64]| -> f64 { (0..v.len()).map(|j| step.rows[(contact * d + k, j)] * v[j]).sum() };
-            contact_work +=
-                (0..d).map(|k| impulse[k] * 0.5 * (row_times(k, before) + row_times(k, after))).sum::<f64>();
-            let (normal, tangential) = impulse.split_last().expect("a contact has a normal");
-            let tangent = libm::sqrt(tangential.iter().map(|value| value * value).sum());
-            self.friction_excess_n = self.friction_excess_n.max((tangent - step.ground.friction * normal) / dt);
-            self.pull_n = self.pull_n.max(-normal / dt);
-            if *normal > 0.0 {
-                self.slip_m += dt * libm::sqrt((0..d - 1).map(|k| row_times(k, after).powi(2)).sum());
-            }
-            for (k, direction) in step.ground.directions().enumerate() {
-                self.impulse += *direction * impulse[k];
-            }
-        }
-        self.enter(contact_work);
-        self.contact_loss_j -= contact_work;
-        self.impulse += step.push * dt - Vector3::z() * (self.mass * step.model.gravity * dt);
+        self.impulse += step.push * dt - Vector3::z() * (self.mass * step.gravity * dt);
         self.contact_sweeps = self.contact_sweeps.max(step.report.sweeps);
         self.contact_residual_n = self.contact_residual_n.max(step.report.residual / dt);
+    }
+
+    /// Enters one contact of a step of `dt` [s]: its impulse [Ns] and its velocities before and after [m/s], all in
+    /// contact coordinates. Returns its work, which is for [`Audit::contact_work`].
+    #[inline]
+    pub(super) fn contact<const D: usize>(
+        &mut self,
+        ground: &GroundPlane,
+        dt: f64,
+        impulse: &[f64; D],
+        [before, after]: [&[f64; D]; 2],
+    ) -> f64 {
+        let normal = impulse[D - 1];
+        let norm = |vector: &[f64; D]| vector[..D - 1].iter().map(|value| value * value).sum::<f64>().sqrt();
+        self.friction_excess_n = self.friction_excess_n.max((norm(impulse) - ground.friction * normal) / dt);
+        self.pull_n = self.pull_n.max(-normal / dt);
+        if normal > 0.0 {
+            self.slip_m += dt * norm(after);
+        }
+        for (direction, impulse) in ground.directions().zip(impulse) {
+            self.impulse += *direction * *impulse;
+        }
+        (0..D).map(|k| impulse[k] * 0.5 * (before[k] + after[k])).sum()
+    }
+
+    /// Enters the work of all contacts of a step [J].
+    pub(super) fn contact_work(&mut self, work: f64) {
+        self.enter(work);
+        self.contact_loss_j -= work;
     }
 
     fn enter(&mut self, work: f64) {

@@ -4,12 +4,17 @@
 
 pub mod actuators;
 pub mod audit;
+pub mod batch;
+mod contact_law;
 pub mod contact_solver;
-pub mod linear;
 pub mod push;
 pub mod sensors;
+mod simultaneous;
 pub mod spring_damper;
+mod tree_factor;
 mod velocity;
+
+use std::sync::Arc;
 
 use legwork_rbd::{Dynamics, Model};
 
@@ -25,8 +30,23 @@ use velocity::VelocityStep;
 /// The simulated robot and its ground.
 #[derive(Clone, Debug)]
 pub struct Simulator {
+    body: Body,
+    velocity: Velocity,
+}
+
+/// The step's equation in the plane or in space.
+#[derive(Clone, Debug)]
+enum Velocity {
+    Planar(VelocityStep<2, 3>),
+    Spatial(VelocityStep<3, 6>),
+}
+
+/// All but the step's equation.
+#[derive(Clone, Debug)]
+struct Body {
     settings: SimulationSettings,
-    model: Model,
+    model: Arc<Model>,
+    actuated: Vec<usize>,
     ground: GroundPlane,
     pushes: Pushes,
     actuators: Actuators,
@@ -35,9 +55,8 @@ pub struct Simulator {
     v: Vec<f64>,
     /// Dynamics in the present state.
     state: Dynamics,
-    /// Dynamics where the step's forces are evaluated, for the midpoint rule.
+    /// Dynamics where the step's forces are evaluated, for the midpoint rule; its first two stages only.
     midpoint: Dynamics,
-    velocity: VelocityStep,
     forces: Vec<f64>,
     applied: Vec<f64>,
     force: Vec<f64>,
@@ -54,20 +73,35 @@ impl Simulator {
     /// # Errors
     /// A push that names an unknown body.
     pub fn new(scenario: &Scenario, model: &Model, q: &[f64]) -> Result<Self, Error> {
+        Self::shared(scenario, Arc::new(model.clone()), q)
+    }
+
+    /// As [`Simulator::new`], with a model that many robots share.
+    ///
+    /// # Errors
+    /// Those of [`Simulator::new`].
+    pub fn shared(scenario: &Scenario, model: Arc<Model>, q: &[f64]) -> Result<Self, Error> {
         let settings = scenario.simulation.clone();
         let (nv, d, contacts) = (model.nv(), model.linear_axes().len(), model.contacts.len());
-        let ground = GroundPlane::of(&scenario.ground, model);
-        let mut simulator = Self {
-            pushes: Pushes::new(&scenario.pushes, model)?,
-            actuators: Actuators::new(&settings.actuators, model, settings.period_s),
+        let actuated: Vec<usize> = model.actuated().collect();
+        let state = Dynamics::new(&model);
+        let velocity = if model.is_planar() {
+            Velocity::Planar(VelocityStep::new(&model, &state))
+        } else {
+            Velocity::Spatial(VelocityStep::new(&model, &state))
+        };
+        let mut body = Body {
+            ground: GroundPlane::of(&scenario.ground, &model),
+            pushes: Pushes::new(&scenario.pushes, &model)?,
+            actuators: Actuators::new(&settings.actuators, &model, settings.period_s),
             step: 0,
             q: q.to_vec(),
             v: vec![0.0; nv],
-            state: Dynamics::new(model),
-            midpoint: Dynamics::new(model),
-            velocity: VelocityStep::new(model),
+            midpoint: state.clone(),
+            state,
             forces: vec![0.0; contacts * d],
-            applied: vec![0.0; model.actuated().count()],
+            applied: vec![0.0; actuated.len()],
+            actuated,
             force: vec![0.0; nv],
             push_force: vec![0.0; nv],
             damping: vec![0.0; nv],
@@ -75,69 +109,84 @@ impl Simulator {
             next_v: vec![0.0; nv],
             audit: Audit::new(),
             settings,
-            model: model.clone(),
-            ground,
+            model,
         };
-        simulator.state.update(model, &simulator.q, &simulator.v);
-        simulator.audit.begin(&simulator.state, model.total_mass());
-        Ok(simulator)
+        body.state.update(&body.model, &body.q, &body.v);
+        body.audit.begin(&body.state, body.model.total_mass());
+        Ok(Self { body, velocity })
     }
 
     /// Time [s], to the nanosecond: 0.695 and not 0.6950000000000001.
     pub fn time(&self) -> f64 {
-        (self.step as f64 * self.settings.period_s * 1e9).round() / 1e9
+        self.body.time()
     }
 
     /// Joint positions [rad, m].
     pub fn q(&self) -> &[f64] {
-        &self.q
+        &self.body.q
     }
 
     /// Joint velocities [rad/s, m/s].
     pub fn v(&self) -> &[f64] {
-        &self.v
+        &self.body.v
     }
 
     /// Dynamics in the present state.
     pub fn dynamics(&self) -> &Dynamics {
-        &self.state
+        &self.body.state
     }
 
     /// The ground.
     pub fn ground(&self) -> &GroundPlane {
-        &self.ground
+        &self.body.ground
     }
 
     /// Whether a contact point counts as touching the ground.
     pub fn touching(&self, contact: usize) -> bool {
-        self.ground.gap(&self.state.contact_positions[contact]) <= self.settings.contact.flag_height_m
+        self.body.ground.gap(&self.body.state.contact_positions[contact]) <= self.body.settings.contact.flag_height_m
     }
 
     /// Contact forces of the latest step along the model's linear axes, averaged over it [N].
     pub fn contact_forces(&self) -> &[f64] {
-        &self.forces
+        &self.body.forces
     }
 
     /// Torques of the actuated joints in the latest step [Nm].
     pub fn applied_torques(&self) -> &[f64] {
-        &self.applied
+        &self.body.applied
     }
 
     /// Sweeps and residual of the latest contact solve.
     pub fn contact_report(&self) -> Report {
-        self.velocity.report
+        match &self.velocity {
+            Velocity::Planar(velocity) => velocity.report,
+            Velocity::Spatial(velocity) => velocity.report,
+        }
     }
 
     /// The books of the run so far.
     pub fn audit(&self) -> &Audit {
-        &self.audit
+        &self.body.audit
     }
 
     /// One step with the wanted torques of the actuated joints [Nm]. Returns false, and leaves the state as it was,
     /// where the numbers are out of bounds.
     pub fn step(&mut self, wanted: &[f64]) -> bool {
+        match &mut self.velocity {
+            Velocity::Planar(velocity) => self.body.step(velocity, wanted),
+            Velocity::Spatial(velocity) => self.body.step(velocity, wanted),
+        }
+    }
+}
+
+impl Body {
+    fn time(&self) -> f64 {
+        (self.step as f64 * self.settings.period_s * 1e9).round() / 1e9
+    }
+
+    fn step<const D: usize, const K: usize>(&mut self, velocity: &mut VelocityStep<D, K>, wanted: &[f64]) -> bool {
         let time = self.time();
-        let Self { settings, model, ground, state, midpoint, velocity, .. } = self;
+        let Self { settings, model, ground, state, midpoint, .. } = self;
         let dt = settings.period_s;
         let is_midpoint = settings.integrator == Integrator::Midpoint;
         self.applied.copy_from_slice(self.actuators.apply(wanted));
@@ -147,19 +196,20 @@ impl Simulator {
         let rest = dt - ahead;
         model.integrate(&self.q, &self.v, ahead, &mut self.next_q);
         if is_midpoint {
-            midpoint.update(model, &self.next_q, &self.v);
+            midpoint.update_position(model, &self.next_q);
+            midpoint.update_bias(model, &self.v);
         }
         let dynamics = if is_midpoint { &*midpoint } else { &*state };
-        if !velocity.prepare(settings, model, ground, dynamics, &self.v, rest) {
+        if !velocity.prepare(settings, ground, dynamics, rest) {
             return false;
         }
         self.push_force.fill(0.0);
-        let push = self.pushes.add(model, dynamics, time, dt, &mut self.push_force);
+        let push = self.pushes.add(dynamics, time, dt, &mut self.push_force);
         self.damping.copy_from_slice(dynamics.damping.as_slice());
         for j in 0..self.v.len() {
             self.force[j] = self.push_force[j] - dynamics.bias[j] - dynamics.damping[j];
         }
-        for (dof, torque) in model.actuated().zip(&self.applied) {
+        for (&dof, torque) in self.actuated.iter().zip(&self.applied) {
             self.force[dof] += torque;
         }
         velocity.solve(settings, ground.friction, &self.v, &self.force, &mut self.next_v);
@@ -171,7 +221,7 @@ impl Simulator {
                 self.force[j] += 0.5 * (midpoint.bias[j] + midpoint.damping[j]);
                 self.damping[j] *= 0.5;
             }
-            midpoint.update(model, &self.next_q, &self.next_v);
+            midpoint.update_bias(model, &self.next_v);
             for j in 0..self.v.len() {
                 self.force[j] -= 0.5 * (midpoint.bias[j] + midpoint.damping[j]);
                 self.damping[j] += 0.5 * midpoint.damping[j];
@@ -179,23 +229,22 @@ impl Simulator {
             velocity.solve(settings, ground.friction, &self.v, &self.force, &mut self.next_v);
         }
         if !in_bounds(&self.next_v) {
+            velocity.forget();
             return false;
         }
 
-        velocity.world_forces(model, ground, dt, &mut self.forces);
         self.audit.account(&audit::Step {
-            model,
-            ground,
             period: dt,
             v: [&self.v, &self.next_v],
+            actuated: &self.actuated,
             torque: &self.applied,
             damping: &self.damping,
             push,
             push_force: &self.push_force,
-            rows: &velocity.rows,
-            impulse: &velocity.contacts.impulse,
+            gravity: model.gravity,
             report: velocity.report,
         });
+        velocity.account(model, ground, dt, &mut self.audit, &mut self.forces);
         model.integrate(&self.next_q, &self.next_v, rest, &mut self.q);
         self.v.copy_from_slice(&self.next_v);
         self.step += 1;

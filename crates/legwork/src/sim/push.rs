@@ -1,7 +1,7 @@
 //! Forces that act on the robot for a time.
 
 use legwork_rbd::{Dynamics, Model};
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::Vector3;
 
 use crate::error::Error;
 use crate::scenario::Push;
@@ -19,7 +19,6 @@ enum Place {
 #[derive(Clone, Debug)]
 pub struct Pushes {
     pushes: Vec<(Push, Place, Vector3<f64>)>,
-    jacobian: DMatrix<f64>,
 }
 
 impl Pushes {
@@ -51,21 +50,14 @@ impl Pushes {
             Ok((push.clone(), place, push.force_n * Vector3::new(cos * ahead, cos * left, sin)))
         };
         let pushes = pushes.iter().enumerate().map(resolve).collect::<Result<_, Error>>()?;
-        Ok(Self { pushes, jacobian: DMatrix::zeros(model.linear_axes().len(), model.nv()) })
+        Ok(Self { pushes })
     }
 
     /// Adds the generalized force of all pushes that act at `time` [s] to `force`, and returns their sum [N].
     ///
     /// `period` is the time step [s]: a push that covers a part of it acts with that share of its force, so that its
     /// impulse is exact.
-    pub fn add(
-        &mut self,
-        model: &Model,
-        dynamics: &Dynamics,
-        time: f64,
-        period: f64,
-        force: &mut [f64],
-    ) -> Vector3<f64> {
+    pub fn add(&self, dynamics: &Dynamics, time: f64, period: f64, force: &mut [f64]) -> Vector3<f64> {
         let mut total = Vector3::zeros();
         for (push, place, whole) in &self.pushes {
             let end = push.start_s + push.duration_s;
@@ -76,18 +68,11 @@ impl Pushes {
             }
             let vector = if share > 1.0 - 1e-9 { *whole } else { whole * share };
             total += vector;
-            let jacobian = match place {
-                Place::CentreOfMass => &dynamics.com_jacobian,
+            match place {
+                Place::CentreOfMass => dynamics.add_com_force(&vector, force),
                 Place::Body { body, point } => {
                     let world = dynamics.world_from_body[*body].point(point);
-                    dynamics.point_jacobian(model, *body, &world, &mut self.jacobian);
-                    &self.jacobian
-                }
-            };
-            for (row, axis) in model.linear_axes().iter().enumerate() {
-                let component = axis.dot(&vector);
-                for (j, value) in force.iter_mut().enumerate() {
-                    *value += jacobian[(row, j)] * component;
+                    dynamics.add_point_force(*body, &world, &vector, force);
                 }
             }
         }

@@ -1,120 +1,144 @@
 //! The velocities after a step: `M (v⁺ - v) = dt (f - h) + Jᵀ λ`, with the contact impulses λ of Appendix A or of the
 //! spring-damper ground.
+//!
+//! With `M = Lᵀ L` and `Y = L⁻ᵀ Jᵀ`, where J are the twists of the feet: contacts act by `Yᵀ Y`, and
+//! `v⁺ = v + L⁻¹ (dt L⁻ᵀ (f - h) + Y F)`. A column of Y is nonzero only along its foot's chain.
 
-use legwork_rbd::{Dynamics, Model};
-use nalgebra::{DMatrix, Vector3};
+use legwork_rbd::{Dynamics, Model, Motion};
+use nalgebra::Vector3;
 
-use super::contact_solver::{ContactSolver, Report};
-use super::{linear, spring_damper};
+use super::audit::Audit;
+use super::contact_solver::{ContactSolver, Report, velocity_at};
+use super::simultaneous::Simultaneous;
+use super::spring_damper;
+use super::tree_factor::TreeFactor;
 use crate::contact::GroundPlane;
 use crate::scenario::{ContactModel, SimulationSettings};
 
-/// The equation of one step, set up in one configuration and solved for one or more biases; all preallocated.
+/// The equation of one step, set up in one configuration and solved for one or more biases; all preallocated. For D and K
+/// see [`ContactSolver`].
 #[derive(Clone, Debug)]
-pub(super) struct VelocityStep {
-    /// Contact Jacobian in contact coordinates: for each contact its tangents, then its normal.
-    pub(super) rows: DMatrix<f64>,
-    /// Contact impulses in contact coordinates [Ns].
-    pub(super) contacts: ContactSolver,
+pub(super) struct VelocityStep<const D: usize, const K: usize> {
+    contacts: ContactSolver<D, K>,
+    together: Simultaneous<D, K>,
     /// What the contact solver said last.
     pub(super) report: Report,
-    /// Cholesky factor of the mass matrix.
-    factor: DMatrix<f64>,
-    /// `L⁻¹ Jᵀ`, a column a row of the contact Jacobian.
-    whitened: DMatrix<f64>,
-    change: Vec<f64>,
+    factor: TreeFactor,
+    feet: Vec<Foot<K>>,
+    /// Twists of the feet with the velocities before.
+    before: Vec<[f64; K]>,
+    /// `L⁻ᵀ (f - h)`
+    drive: Vec<f64>,
 }
 
-impl VelocityStep {
-    /// Storage for `model`.
-    pub(super) fn new(model: &Model) -> Self {
-        let (nv, contacts, d) = (model.nv(), model.contacts.len(), model.linear_axes().len());
+/// A body with contact points.
+#[derive(Clone, Debug)]
+struct Foot<const K: usize> {
+    body: usize,
+    /// Its first contact point: where its twist is taken.
+    reference: usize,
+    /// The velocity coordinates that move it, from the base outward.
+    chain: Vec<usize>,
+    /// For each foot before it the number of coordinates that move both.
+    shared: Vec<usize>,
+    /// Rows of Y along the chain.
+    whitened: Vec<[f64; K]>,
+}
+
+impl<const D: usize, const K: usize> VelocityStep<D, K> {
+    /// Storage for `model`, with its tree as `dynamics` knows it.
+    pub(super) fn new(model: &Model, dynamics: &Dynamics) -> Self {
+        let mut feet: Vec<Foot<K>> = Vec::new();
+        let mut foot_of_point = Vec::new();
+        for (index, point) in model.contacts.iter().enumerate() {
+            let known = feet.iter().position(|foot| foot.body == point.body);
+            foot_of_point.push(known.unwrap_or(feet.len()));
+            if known.is_none() {
+                let chain = dynamics.chain(point.body);
+                let common = |foot: &Foot<K>| foot.chain.iter().zip(&chain).take_while(|(a, b)| a == b).count();
+                let shared = feet.iter().map(common).collect();
+                let whitened = vec![[0.0; K]; chain.len()];
+                feet.push(Foot { body: point.body, reference: index, chain, shared, whitened });
+            }
+        }
         Self {
-            rows: DMatrix::zeros(contacts * d, nv),
-            contacts: ContactSolver::new(contacts, d),
+            contacts: ContactSolver::new(&foot_of_point, feet.len()),
+            together: Simultaneous::new(foot_of_point.len(), feet.len()),
             report: Report::default(),
-            factor: DMatrix::zeros(nv, nv),
-            whitened: DMatrix::zeros(nv, contacts * d),
-            change: vec![0.0; nv],
+            factor: TreeFactor::new(model, dynamics),
+            before: vec![[0.0; K]; feet.len()],
+            feet,
+            drive: vec![0.0; model.nv()],
         }
     }
 
-    /// Sets the step up in the configuration of `dynamics`; the contact points move on for `rest` [s] with the new
-    /// velocity. `v` are the velocities before. Returns false where the mass matrix is not positive definite.
+    /// Sets the step up in the configuration of `dynamics`, which knows the velocities before; the contact points move on
+    /// for `rest` [s] with the new velocity. Returns false where the mass matrix is not positive definite.
     pub(super) fn prepare(
         &mut self,
         settings: &SimulationSettings,
-        model: &Model,
         ground: &GroundPlane,
         dynamics: &Dynamics,
-        v: &[f64],
         rest: f64,
     ) -> bool {
-        self.factor.copy_from(&dynamics.mass_matrix);
-        if !linear::factor(&mut self.factor) {
+        if !self.factor.factor(&dynamics.mass_matrix) {
             return false;
         }
-        self.contact_rows(model, ground, dynamics);
+        let axes = axes::<D>(ground);
+        for (index, foot) in self.feet.iter_mut().enumerate() {
+            let at = &dynamics.contact_positions[foot.reference];
+            self.before[index] = along(&dynamics.motion_at(foot.body, at), &axes);
+            for (row, &j) in foot.whitened.iter_mut().zip(&foot.chain) {
+                *row = along(&dynamics.unit_motion(j, at), &axes);
+            }
+            self.factor.whiten(&foot.chain, &mut foot.whitened);
+        }
+        self.couple();
+        for (point, position) in self.contacts.points.iter_mut().zip(&dynamics.contact_positions) {
+            let arm = position - dynamics.contact_positions[self.feet[point.foot].reference];
+            for (value, direction) in point.arm.iter_mut().zip(&axes.linear) {
+                *value = direction.dot(&arm);
+            }
+            let gap = ground.gap(position);
+            // A point may close its gap within the step, and recovers from a share of its penetration.
+            let share = if gap > 0.0 { 1.0 / rest } else { settings.contact.penetration_recovery / settings.period_s };
+            point.approach = -share * gap;
+        }
         match settings.contact.model {
-            ContactModel::Rigid => self.rigid(settings, ground, dynamics, rest),
-            ContactModel::SpringDamper => self.spring(settings, ground, dynamics, v),
+            ContactModel::Rigid => self.contacts.prepare(),
+            ContactModel::SpringDamper => self.spring(settings, ground, dynamics),
         }
         true
     }
 
-    /// `J` in contact coordinates.
-    fn contact_rows(&mut self, model: &Model, ground: &GroundPlane, dynamics: &Dynamics) {
-        let axes = model.linear_axes();
-        let d = axes.len();
-        for contact in 0..model.contacts.len() {
-            for (k, direction) in ground.directions().enumerate() {
-                for j in 0..self.rows.ncols() {
-                    self.rows[(contact * d + k, j)] = axes
-                        .iter()
-                        .enumerate()
-                        .map(|(i, axis)| axis.dot(direction) * dynamics.contact_jacobian[(contact * d + i, j)])
-                        .sum();
-                }
-            }
-        }
-    }
-
-    /// Sets up `G = J M⁻¹ Jᵀ` and how fast each point may approach the ground.
-    fn rigid(&mut self, settings: &SimulationSettings, ground: &GroundPlane, dynamics: &Dynamics, rest: f64) {
-        let (size, nv) = (self.rows.nrows(), self.rows.ncols());
-        for k in 0..size {
-            for j in 0..nv {
-                self.whitened[(j, k)] = self.rows[(k, j)];
-            }
-            linear::solve_lower(&self.factor, &mut self.whitened.as_mut_slice()[k * nv..(k + 1) * nv]);
-        }
-        for a in 0..size {
+    /// `Yᵀ Y`, foot by foot; two feet share only the coordinates that move both.
+    fn couple(&mut self) {
+        let feet = self.feet.len();
+        for a in 0..feet {
             for b in 0..=a {
-                let value = self.whitened.column(a).dot(&self.whitened.column(b));
-                self.contacts.delassus[a * size + b] = value;
-                self.contacts.delassus[b * size + a] = value;
+                let shared = if a == b { self.feet[a].chain.len() } else { self.feet[a].shared[b] };
+                let mut block = [[0.0; K]; K];
+                for (x, y) in self.feet[a].whitened[..shared].iter().zip(&self.feet[b].whitened) {
+                    for i in 0..K {
+                        for j in 0..K {
+                            block[i][j] += x[i] * y[j];
+                        }
+                    }
+                }
+                self.contacts.coupling[a * feet + b] = block;
+                self.contacts.coupling[b * feet + a] = std::array::from_fn(|i| std::array::from_fn(|j| block[j][i]));
             }
-        }
-        for (contact, position) in dynamics.contact_positions.iter().enumerate() {
-            let gap = ground.gap(position);
-            // A point may close its gap within the step, and recovers from a share of its penetration.
-            let share = if gap > 0.0 { 1.0 / rest } else { settings.contact.penetration_recovery / settings.period_s };
-            self.contacts.approach[contact] = -share * gap;
         }
     }
 
     /// Impulses of the spring-damper ground over the step (thesis 3.3).
-    fn spring(&mut self, settings: &SimulationSettings, ground: &GroundPlane, dynamics: &Dynamics, v: &[f64]) {
-        let d = ground.dimension();
+    fn spring(&mut self, settings: &SimulationSettings, ground: &GroundPlane, dynamics: &Dynamics) {
         self.report = Report::default();
-        for (contact, position) in dynamics.contact_positions.iter().enumerate() {
-            let mut velocity = [0.0; 3];
-            for (k, value) in velocity[..d].iter_mut().enumerate() {
-                *value = (0..v.len()).map(|j| self.rows[(contact * d + k, j)] * v[j]).sum();
-            }
-            let impulse = &mut self.contacts.impulse[contact * d..(contact + 1) * d];
-            spring_damper::force(&settings.contact, ground.friction, ground.gap(position), &velocity[..d], impulse);
-            impulse.iter_mut().for_each(|value| *value *= settings.period_s);
+        for (point, position) in self.contacts.points.iter_mut().zip(&dynamics.contact_positions) {
+            let velocity = velocity_at(&self.before[point.foot], &point.arm);
+            let gap = ground.gap(position);
+            spring_damper::force(&settings.contact, ground.friction, gap, &velocity, &mut point.impulse);
+            point.impulse.iter_mut().for_each(|value| *value *= settings.period_s);
         }
     }
 
@@ -127,47 +151,88 @@ impl VelocityStep {
         force: &[f64],
         next: &mut [f64],
     ) {
-        let (dt, nv) = (settings.period_s, v.len());
-        next.copy_from_slice(force);
-        self.solve_mass(next);
-        for j in 0..nv {
-            next[j] = v[j] + dt * next[j];
+        let dt = settings.period_s;
+        for (drive, force) in self.drive.iter_mut().zip(force) {
+            *drive = dt * force;
         }
-        if settings.contact.model == ContactModel::Rigid {
-            for k in 0..self.rows.nrows() {
-                self.contacts.free[k] = (0..nv).map(|j| self.rows[(k, j)] * next[j]).sum();
+        self.factor.solve_transposed(&mut self.drive);
+        for ((foot, before), free) in self.feet.iter().zip(&self.before).zip(&mut self.contacts.free) {
+            *free = *before;
+            for (row, &j) in foot.whitened.iter().zip(&foot.chain) {
+                for i in 0..K {
+                    free[i] += row[i] * self.drive[j];
+                }
             }
-            self.report = self.contacts.solve(friction, settings.contact.tolerance_n * dt, &settings.contact);
         }
-        let mut change = std::mem::take(&mut self.change);
-        for (j, value) in change.iter_mut().enumerate() {
-            *value = (0..self.rows.nrows()).map(|k| self.rows[(k, j)] * self.contacts.impulse[k]).sum();
+        match settings.contact.model {
+            ContactModel::Rigid => {
+                let tolerance = settings.contact.tolerance_n * dt;
+                self.report = self.contacts.solve(&mut self.together, friction, tolerance, &settings.contact);
+            }
+            ContactModel::SpringDamper => self.contacts.load(),
         }
-        self.solve_mass(&mut change);
-        for (value, change) in next.iter_mut().zip(&change) {
-            *value += change;
+        next.copy_from_slice(&self.drive);
+        self.contacts.sum();
+        for (foot, total) in self.feet.iter().zip(&self.contacts.total) {
+            for (row, &j) in foot.whitened.iter().zip(&foot.chain) {
+                next[j] += (0..K).map(|i| row[i] * total[i]).sum::<f64>();
+            }
         }
-        self.change = change;
+        self.factor.solve(next);
+        for (next, v) in next.iter_mut().zip(v) {
+            *next += v;
+        }
     }
 
-    /// `x := M⁻¹ x`
-    fn solve_mass(&self, x: &mut [f64]) {
-        linear::solve_lower(&self.factor, x);
-        linear::solve_upper(&self.factor, x);
+    /// Lets the next solve begin with no impulses.
+    pub(super) fn forget(&mut self) {
+        self.contacts.points.iter_mut().for_each(|point| point.impulse = [0.0; D]);
     }
 
-    /// Mean contact forces of the step along the model's linear axes [N].
-    pub(super) fn world_forces(&self, model: &Model, ground: &GroundPlane, dt: f64, forces: &mut [f64]) {
-        let axes = model.linear_axes();
-        let d = axes.len();
-        for contact in 0..model.contacts.len() {
+    /// Enters the contacts of the step into the books, and writes their mean forces along the model's linear axes [N].
+    pub(super) fn account(&self, model: &Model, ground: &GroundPlane, dt: f64, audit: &mut Audit, forces: &mut [f64]) {
+        let mut work = 0.0;
+        for (point, forces) in self.contacts.points.iter().zip(forces.chunks_exact_mut(D)) {
+            let before = velocity_at(&self.before[point.foot], &point.arm);
+            let after = velocity_at(&self.contacts.twist[point.foot], &point.arm);
+            work += audit.contact(ground, dt, &point.impulse, [&before, &after]);
             let mut force = Vector3::zeros();
-            for (k, direction) in ground.directions().enumerate() {
-                force += *direction * (self.contacts.impulse[contact * d + k] / dt);
+            for (direction, impulse) in ground.directions().zip(&point.impulse) {
+                force += *direction * (*impulse / dt);
             }
-            for (i, axis) in axes.iter().enumerate() {
-                forces[contact * d + i] = axis.dot(&force);
+            for (value, axis) in forces.iter_mut().zip(model.linear_axes()) {
+                *value = axis.dot(&force);
             }
         }
+        audit.contact_work(work);
     }
+}
+
+/// The axes of a twist.
+struct Axes<const D: usize> {
+    linear: [Vector3<f64>; D],
+    angular: [Vector3<f64>; 3],
+}
+
+fn axes<const D: usize>(ground: &GroundPlane) -> Axes<D> {
+    let mut directions = ground.directions();
+    let linear = std::array::from_fn(|_| *directions.next().expect("a direction for each contact coordinate"));
+    Axes { linear, angular: [ground.tangents[0], Vector3::y(), ground.normal] }
+}
+
+/// The coordinates of a motion along `axes`.
+#[inline]
+fn along<const D: usize, const K: usize>(motion: &Motion, axes: &Axes<D>) -> [f64; K] {
+    let mut out = [0.0; K];
+    for (value, axis) in out.iter_mut().zip(&axes.linear) {
+        *value = axis.dot(&motion.linear);
+    }
+    if D == 2 {
+        out[2] = motion.angular.y;
+    } else {
+        for (value, axis) in out[D..].iter_mut().zip(&axes.angular) {
+            *value = axis.dot(&motion.angular);
+        }
+    }
+    out
 }

@@ -10,6 +10,7 @@ use serde::de::DeserializeOwned;
 
 use super::store::{Store, Survey};
 use crate::error::Error;
+use crate::sim::batch::Batch;
 
 /// Does `work` with so many threads, or with one a core where none is given: all that it runs by [`run_all`] and
 /// [`run_chunks`].
@@ -32,6 +33,19 @@ pub fn with_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + 
 /// None where a job returned none, as one that was stopped does; what is not begun by then is left out.
 pub fn run_all<T: Send>(count: usize, job: impl Fn(usize) -> Option<T> + Sync) -> Option<Vec<T>> {
     (0..count).into_par_iter().with_max_len(1).panic_fuse().map(&job).collect()
+}
+
+/// [`Batch::step`] on all cores: the same states and the same answer.
+///
+/// # Panics
+/// Those of [`Batch::step`].
+pub fn step_batch(batch: &mut Batch, torques: &[f64]) -> usize {
+    let actuated = batch.actuated();
+    assert_eq!(torques.len(), batch.robots().len() * actuated, "torques of all robots");
+    let of = |index: usize| &torques[index * actuated..(index + 1) * actuated];
+    // A step takes microseconds: pieces below this are not worth their handing over.
+    let robots = batch.robots_mut().par_iter_mut().enumerate().with_min_len(16);
+    robots.map(|(index, robot)| usize::from(robot.step(of(index)))).sum()
 }
 
 /// How far the work on a store got.

@@ -12,6 +12,7 @@ mod frame;
 mod gallery;
 pub(crate) mod heat_map;
 pub(crate) mod polar;
+pub(crate) mod powers;
 pub(crate) mod scatter;
 pub(crate) mod survival_map;
 pub(crate) mod sweep;

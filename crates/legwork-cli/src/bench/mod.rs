@@ -1,0 +1,86 @@
+//! `legwork bench`: what legwork takes on this machine, and how that grows with the robot.
+//!
+//! Only here and in the library's `episode` is a clock read. What is timed gets the inputs of a finished run again
+//! (`legwork::recording`), so that each round does the same work.
+
+mod growth;
+mod machine;
+mod replay;
+mod robot;
+mod rounds;
+mod samples;
+mod scenario;
+mod text;
+
+use std::process::ExitCode;
+
+use legwork::error::Error;
+use legwork::study::Base;
+use serde::Serialize;
+
+use crate::args::BenchArgs;
+use crate::long_work::{INTERRUPTED, interrupted, listen_for_interrupt};
+use crate::output::{Failure, Output, check_writable, say, write_text};
+use crate::report;
+pub(crate) use growth::{Growth, Series, Table};
+use machine::{Clock, Machine};
+use scenario::Measured;
+
+/// All that was measured.
+#[derive(Debug, Serialize)]
+struct Report {
+    machine: Machine,
+    /// Whether Ctrl-C was pressed, so that something is missing.
+    interrupted: bool,
+    scenarios: Vec<Measured>,
+    growth: Option<Growth>,
+}
+
+pub(crate) fn bench(options: &BenchArgs, output: &mut Output) -> Result<ExitCode, Failure> {
+    // Wrong scenarios and unwritable places are found before anything is measured.
+    let bases = if options.growth { Vec::new() } else { bases(options)? };
+    options.plot.as_deref().map_or(Ok(()), check_writable)?;
+    listen_for_interrupt();
+    let clock = Clock::new();
+    let machine = Machine::new(&clock);
+    machine.warn();
+
+    let mut scenarios = Vec::new();
+    for base in &bases {
+        scenarios.extend(scenario::measure(base, clock, machine.cores, options.seconds)?);
+        if interrupted() {
+            break;
+        }
+    }
+    let growth = if options.growth { growth::measure(clock, options.seconds)? } else { None };
+    let report = Report { machine, interrupted: interrupted(), scenarios, growth };
+    let shown = if options.json {
+        serde_json::to_string(&report).expect("a report is plain data")
+    } else {
+        text::text(&report)
+    };
+    let printed = output.line(shown).and_then(|()| output.flush());
+    if let (Some(path), Some(growth)) = (&options.plot, &report.growth) {
+        write_text(path, &report::growth::svg(growth))?;
+        say(&format!("plot: {}", path.display()));
+    }
+    if report.interrupted {
+        say("interrupted; what was finished is kept");
+    }
+    printed?;
+    Ok(if report.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+}
+
+fn bases(options: &BenchArgs) -> Result<Vec<Base>, Error> {
+    let default = ["walk".to_owned(), "push".to_owned()];
+    let names = if options.scenarios.is_empty() { &default[..] } else { &options.scenarios };
+    let load = |name: &String| {
+        Base::load(name, &options.sets).map_err(|error| match error {
+            Error::Invalid { place, problem } if place.starts_with("--set ") && names.len() > 1 => {
+                Error::invalid(format!("{place} of {name}"), problem)
+            }
+            other => other,
+        })
+    };
+    names.iter().map(load).collect()
+}

@@ -1,0 +1,258 @@
+//! A scenario measured: rounds of ticks, parts, steps, a rollout, and rollouts on more and more threads.
+
+use std::time::Instant;
+
+use legwork::control::Fallback;
+use legwork::episode::{Outcome, Run};
+use legwork::error::Error;
+use legwork::log::Field;
+use legwork::recording::Recording;
+use legwork::study::parallel::{run_all, with_threads};
+use legwork::study::{Base, Variant, rollout};
+use serde::Serialize;
+
+use super::machine::Clock;
+use super::replay;
+use super::rounds::Rounds;
+use super::samples::{Histogram, Samples, Statistics, median};
+use crate::long_work::interrupted;
+
+/// All that is said of a scenario.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Measured {
+    /// Its name.
+    pub(super) scenario: String,
+    /// Degrees of freedom of the robot.
+    pub(super) dofs: usize,
+    /// Its contact points.
+    pub(super) contacts: usize,
+    /// Variables of the program.
+    pub(super) variables: usize,
+    /// Its rows.
+    pub(super) rows: usize,
+    /// Ticks of a rollout.
+    pub(super) ticks: usize,
+    /// Simulation steps of a rollout.
+    pub(super) steps: usize,
+    /// Rounds in which everything was measured.
+    pub(super) rounds: usize,
+    /// The whole control tick.
+    pub(super) tick: Statistics,
+    /// How its durations are spread.
+    pub(super) tick_histogram: Histogram,
+    /// Its parts, measured apart.
+    pub(super) parts: Vec<PartFigures>,
+    /// The simulation step.
+    pub(super) step: Statistics,
+    /// What the solver does.
+    pub(super) solver: Solver,
+    /// The whole run with log and figures.
+    pub(super) rollout: Rollout,
+    /// Many of them at once.
+    pub(super) threads: Vec<Threads>,
+}
+
+/// A part of the tick.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct PartFigures {
+    /// Which.
+    pub(super) part: &'static str,
+    /// Its share of the whole tick: that of the means.
+    pub(super) share: f64,
+    /// Its durations.
+    #[serde(flatten)]
+    pub(super) durations: Statistics,
+}
+
+/// What the solver does in a tick; the same on every machine.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Solver {
+    /// Iterations: changes of its working set after the guess, all attempts together. Mean.
+    pub(super) iterations_mean: f64,
+    /// Most of them.
+    pub(super) iterations_max: u32,
+    /// Limits that are met or left from a tick to the next. Mean.
+    pub(super) limits_changed_mean: f64,
+    /// Most of them.
+    pub(super) limits_changed_max: usize,
+    /// Programs solved. Mean: one, and more with fallbacks.
+    pub(super) programs_mean: f64,
+    /// Ticks that ended with a fallback.
+    pub(super) fallbacks: usize,
+}
+
+/// The whole run.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Rollout {
+    /// Simulated time [s].
+    pub(super) simulated_s: f64,
+    /// Median of its duration over the rounds [s].
+    pub(super) median_s: f64,
+    /// The longest [s].
+    pub(super) max_s: f64,
+    /// Simulated time over the median.
+    pub(super) times_real_time: f64,
+}
+
+/// Rollouts on several threads.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Threads {
+    /// How many.
+    pub(super) threads: usize,
+    /// Median over the rounds.
+    pub(super) rollouts_per_s: f64,
+    /// That over the one of a single thread.
+    pub(super) speed_up: f64,
+}
+
+/// Rollouts that each thread does at a time.
+const BATCH: usize = 2;
+
+/// What is being measured.
+struct Measurement<'a> {
+    variant: &'a Variant,
+    clock: Clock,
+    recording: Recording,
+    tick: Samples,
+    parts: [Samples; replay::PARTS.len()],
+    step: Samples,
+    rollouts: Vec<f64>,
+    counts: Vec<usize>,
+    /// Rollouts a second, for each of the counts.
+    rates: Vec<Vec<f64>>,
+}
+
+/// Measures `base` on `cores` cores for about `seconds`; none where Ctrl-C was pressed before a round was whole.
+pub(super) fn measure(base: &Base, clock: Clock, cores: usize, seconds: f64) -> Result<Option<Measured>, Error> {
+    let rounds = Rounds::new(base.name(), seconds);
+    let run = rollout::simulate(base.variant(), interrupted)?;
+    if matches!(run.outcome, Outcome::Stopped) {
+        return Ok(None);
+    }
+    let counts = thread_counts(cores);
+    let mut measurement = Measurement {
+        variant: base.variant(),
+        clock,
+        recording: Recording::of(&run, &base.variant().samples),
+        tick: Samples::default(),
+        parts: Default::default(),
+        step: Samples::default(),
+        rollouts: Vec::new(),
+        rates: vec![Vec::new(); counts.len()],
+        counts,
+    };
+    while rounds.go_on(measurement.rollouts.len()) {
+        measurement.round()?;
+    }
+    rounds.finish();
+    Ok((!measurement.rollouts.is_empty()).then(|| measurement.figures(&run)))
+}
+
+/// One, two, four and so on, and all.
+fn thread_counts(cores: usize) -> Vec<usize> {
+    let mut counts: Vec<usize> =
+        std::iter::successors(Some(1), |count| Some(2 * count)).take_while(|&c| c < cores).collect();
+    counts.push(cores);
+    counts
+}
+
+impl Measurement<'_> {
+    /// Everything once; nothing is kept of a round in which Ctrl-C was pressed.
+    fn round(&mut self) -> Result<(), Error> {
+        let (clock, recording) = (self.clock, &self.recording);
+        let ticks = replay::ticks(clock, recording.model(), recording.controller()?, &recording.estimates);
+        let parts = replay::parts(clock, recording.model(), recording.controller()?, &recording.estimates);
+        let steps = replay::steps(clock, recording.simulator()?, &recording.torques, recording.steps_per_tick);
+        let (_, rollout) = clock.time(|| rollout::run(self.variant, interrupted));
+        let rates = self.counts.iter().map(|&threads| self.rate(threads)).collect::<Result<Vec<f64>, Error>>()?;
+        if interrupted() {
+            return Ok(());
+        }
+        self.tick.push(ticks);
+        self.parts.iter_mut().zip(parts).for_each(|(samples, round)| samples.push(round));
+        self.step.push(steps);
+        self.rollouts.push(rollout);
+        self.rates.iter_mut().zip(rates).for_each(|(rates, rate)| rates.push(rate));
+        Ok(())
+    }
+
+    /// Rollouts a second.
+    fn rate(&self, threads: usize) -> Result<f64, Error> {
+        let count = BATCH * threads;
+        with_threads(Some(threads), || {
+            let begin = Instant::now();
+            run_all(count, |_| rollout::run(self.variant, interrupted));
+            count as f64 / begin.elapsed().as_secs_f64()
+        })
+    }
+
+    fn figures(mut self, run: &Run) -> Measured {
+        let tick = self.tick.statistics();
+        let parts = replay::PARTS.into_iter().zip(&mut self.parts).map(|(part, samples)| {
+            let durations = samples.statistics();
+            PartFigures { part, share: durations.mean_us / tick.mean_us, durations }
+        });
+        let parts: Vec<_> = parts.collect();
+        let simulated_s = run.log.len() as f64 * run.scenario.controller.period_s;
+        let median_s = median(&mut self.rollouts.clone());
+        let rates: Vec<f64> = self.rates.iter_mut().map(|rates| median(rates)).collect();
+        let threads = self.counts.iter().zip(&rates).map(|(&threads, &rate)| Threads {
+            threads,
+            rollouts_per_s: rate,
+            speed_up: rate / rates[0],
+        });
+        Measured {
+            scenario: run.scenario.name.clone(),
+            dofs: run.model.nv(),
+            contacts: run.model.nc(),
+            variables: run.layout.variables(),
+            rows: run.layout.rows(),
+            ticks: self.recording.estimates.len(),
+            steps: self.recording.torques.len() * self.recording.steps_per_tick,
+            rounds: self.rollouts.len(),
+            tick_histogram: self.tick.histogram(),
+            tick,
+            parts,
+            step: self.step.statistics(),
+            solver: Solver::of(run),
+            rollout: Rollout {
+                simulated_s,
+                median_s,
+                max_s: self.rollouts.iter().copied().fold(0.0, f64::max),
+                times_real_time: simulated_s / median_s,
+            },
+            threads: threads.collect(),
+        }
+    }
+}
+
+impl Solver {
+    fn of(run: &Run) -> Self {
+        let ticks = run.log.len();
+        let active = |index: usize| run.log.get(index, Field::ActiveLimit);
+        let differ =
+            |index: usize| active(index).iter().zip(active(index - 1)).filter(|(now, before)| now != before).count();
+        let changes: Vec<usize> = (1..ticks).map(differ).collect();
+        let program = |column: usize| (0..ticks).map(move |index| run.log.get(index, Field::Program)[column]);
+        Self {
+            iterations_mean: run.program.iterations_mean,
+            iterations_max: run.program.iterations_max,
+            limits_changed_mean: changes.iter().sum::<usize>() as f64 / changes.len().max(1) as f64,
+            limits_changed_max: changes.iter().copied().max().unwrap_or(0),
+            programs_mean: program(3).sum::<f64>() / ticks as f64,
+            fallbacks: program(1).filter(|&fallback| fallback != f64::from(Fallback::None as u8)).count(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::thread_counts;
+
+    #[test]
+    fn threads_double_up_to_the_cores() {
+        assert_eq!(thread_counts(1), [1]);
+        assert_eq!(thread_counts(2), [1, 2]);
+        assert_eq!(thread_counts(12), [1, 2, 4, 8, 12]);
+    }
+}

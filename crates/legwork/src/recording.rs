@@ -1,0 +1,110 @@
+//! What a run gave to its controller and to its simulator, kept so that both can be given it again: for measuring them.
+//!
+//! The loop is open: estimates and torques are those of the run, bit by bit, so that the same work is done each time.
+
+use legwork_rbd::Model;
+
+use crate::control::{Controller, Estimate};
+use crate::episode::Run;
+use crate::error::Error;
+use crate::log::Field;
+use crate::scenario::Scenario;
+use crate::sim::Simulator;
+use crate::sim::sensors::Sensors;
+
+/// The inputs of controller and simulator in each tick of a run.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    scenario: Scenario,
+    model: Model,
+    samples: Vec<[f64; 3]>,
+    start: Estimate,
+    /// What the controller was told, a tick each.
+    pub estimates: Vec<Estimate>,
+    /// The torques that the simulator was given [Nm], a tick each: those of the actuated joints.
+    pub torques: Vec<Vec<f64>>,
+    /// Steps of the simulator a tick.
+    pub steps_per_tick: usize,
+}
+
+impl Recording {
+    /// The inputs of `run`, which read the rows `samples` from its CoM file, where it has one.
+    ///
+    /// # Panics
+    /// If the run has no tick.
+    pub fn of(run: &Run, samples: &[[f64; 3]]) -> Self {
+        let (scenario, log) = (&run.scenario, &run.log);
+        let truth = |index: usize| Estimate {
+            time: log.time(index),
+            q: log.get(index, Field::Q).to_vec(),
+            v: log.get(index, Field::V).to_vec(),
+            touching: log.get(index, Field::Touching).iter().map(|&flag| flag != 0.0).collect(),
+        };
+        let start = truth(0);
+        let period = scenario.controller.period_s;
+        let mut sensors = Sensors::new(&scenario.simulation.sensors, &run.model, period, scenario.seed, &start);
+        let mut told = |index: usize| {
+            let mut estimate = start.clone();
+            sensors.read(&truth(index), &mut estimate);
+            estimate
+        };
+        Self {
+            estimates: (0..log.len()).map(&mut told).collect(),
+            torques: (0..log.len()).map(|index| log.get(index, Field::Torque).to_vec()).collect(),
+            steps_per_tick: (period / scenario.simulation.period_s).round() as usize,
+            scenario: scenario.clone(),
+            model: run.model.clone(),
+            samples: samples.to_vec(),
+            start,
+        }
+    }
+
+    /// A controller as it was before the first tick.
+    ///
+    /// # Errors
+    /// None for the controller that made the run; else those of [`Controller::new`].
+    pub fn controller(&self) -> Result<Controller, Error> {
+        Controller::new(&self.scenario, &self.model, &self.samples, &self.start)
+    }
+
+    /// A simulator as it was before the first step.
+    ///
+    /// # Errors
+    /// None for the simulator that made the run; else those of [`Simulator::new`].
+    pub fn simulator(&self) -> Result<Simulator, Error> {
+        Simulator::new(&self.scenario, &self.model, &self.start.q)
+    }
+
+    /// The robot.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use legwork_rbd::Dynamics;
+
+    use super::*;
+    use crate::study::{Base, rollout};
+
+    #[test]
+    fn controller_and_simulator_do_again_what_they_did() {
+        let noisy = ["simulation.sensors.delay_s=0.004", "simulation.sensors.velocity_noise=0.001", "duration_s=1"];
+        for sets in [&noisy[2..], &noisy] {
+            let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
+            let base = Base::load("push", &sets).expect("it is built in");
+            let run = rollout::simulate(base.variant(), || false).expect("it can be run");
+            let recording = Recording::of(&run, &[]);
+            let (mut controller, mut simulator) = (recording.controller().unwrap(), recording.simulator().unwrap());
+            let mut dynamics = Dynamics::new(recording.model());
+            assert!(recording.estimates.len() > 400 && recording.steps_per_tick > 0);
+            for (index, (estimate, torques)) in recording.estimates.iter().zip(&recording.torques).enumerate() {
+                assert_eq!(simulator.q(), run.log.get(index, Field::Q), "tick {index}");
+                dynamics.update(recording.model(), &estimate.q, &estimate.v);
+                assert_eq!(controller.tick(estimate, &dynamics).solution.tau, *torques, "tick {index}");
+                assert!((0..recording.steps_per_tick).all(|_| simulator.step(torques)));
+            }
+        }
+    }
+}
