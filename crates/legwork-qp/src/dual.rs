@@ -54,6 +54,8 @@ pub(crate) struct Search<'a> {
     pub(crate) settings: &'a Settings,
     /// Members with Farkas weights, of the scaled program.
     pub(crate) conflict: &'a mut Vec<(Member, f64)>,
+    /// The guess, be it empty, is what someone expects at the optimum.
+    pub(crate) informed: bool,
     pub(crate) iterations: u32,
     /// The iterate has been refined since the working set last changed.
     pub(crate) refined: bool,
@@ -63,13 +65,16 @@ impl Search<'_> {
     /// From the factorised program to the result; `previous` is the guess.
     pub(crate) fn run(&mut self, previous: &[Member]) -> Status {
         self.take_equalities();
-        self.refresh();
-        if self.contradictory_empty_row() || self.contradictory_equalities() {
-            return Status::Infeasible;
+        let empty = self.contradictory_empty_row();
+        if empty || !self.set.left.is_empty() {
+            self.refresh();
+            if empty || self.contradictory_equalities() {
+                return Status::Infeasible;
+            }
         }
         self.take_guess(previous);
         self.refresh();
-        if !previous.is_empty() {
+        if self.informed {
             // Most often the guess is right, and this the last step.
             self.refine();
         }
@@ -120,12 +125,11 @@ impl Search<'_> {
     fn conclude(&self, complete: bool) -> Status {
         let accepted =
             |c: usize| self.is_acceptable(Member { c, sign: 1.0 }) && self.is_acceptable(Member { c, sign: -1.0 });
-        let open = |&c: &usize| {
-            let place = self.set.place[c];
-            place != Place::In
-                && !(complete && place == Place::Out)
-                && matches!(self.program.kind[c], Kind::Inequality | Kind::Equality)
-        };
+        let open = self.set.place.iter().zip(&self.program.kind).enumerate().filter(|(_, (place, kind))| {
+            **place != Place::In
+                && !(complete && **place == Place::Out)
+                && matches!(kind, Kind::Inequality | Kind::Equality)
+        });
         let program = self.program;
         let (_, mut size) = self.set.value();
         let mut gap = 0.0;
@@ -135,7 +139,7 @@ impl Search<'_> {
         }
         let free = self.set.gradient_length();
         size = size.max(VANISHING * free * free);
-        if gap <= DUALITY_GAP * size && (0..program.constraints()).filter(open).all(accepted) {
+        if gap <= DUALITY_GAP * size && open.map(|(c, _)| c).all(accepted) {
             Status::Optimal
         } else {
             Status::IterationLimit
@@ -165,27 +169,21 @@ impl Search<'_> {
 
     /// The inequality with the largest shortfall in the scaled program.
     fn most_violated(&self) -> Option<Violated> {
-        let program = self.program;
         let y_length = self.set.y_length();
         let mut worst = 0.0;
         let mut found = None;
-        for c in 0..program.constraints() {
-            if program.kind[c] != Kind::Inequality || self.set.place[c] != Place::Out {
-                continue;
+        self.program.for_each_inequality(&self.set.z, |c, below, above| {
+            if (below <= worst && above <= worst) || self.set.place[c] != Place::Out {
+                return;
             }
-            let value = program.times(c, &self.set.z);
-            let (below, above) = (program.lower[c] - value, value - program.upper[c]);
             let (sign, shortfall) = if below > above { (1.0, below) } else { (-1.0, above) };
-            if shortfall <= worst {
-                continue;
-            }
             let member = Member { c, sign };
             let tolerance = self.tolerance(member, y_length);
             if shortfall > tolerance {
                 worst = shortfall;
                 found = Some(Violated { member, clearly: shortfall > CLEAR_VIOLATION * tolerance });
             }
-        }
+        });
         found
     }
 

@@ -91,6 +91,7 @@ mod certificate;
 mod dual;
 mod elastic;
 mod factor;
+mod hessian;
 mod input;
 mod kkt;
 mod lanes;

@@ -21,13 +21,18 @@ pub(crate) enum Kind {
     Empty,
 }
 
-/// Which equalities' squares are added to the Hessian.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum Squares {
-    None,
-    /// Of those with an entry at a variable without a cost.
-    OfFreeVariables,
-    All,
+impl Kind {
+    /// Of a constraint with nonzero entries.
+    #[inline]
+    fn of(lower: f64, upper: f64) -> Self {
+        if lower >= upper {
+            Self::Equality
+        } else if lower == f64::NEG_INFINITY && upper == f64::INFINITY {
+            Self::Free
+        } else {
+            Self::Inequality
+        }
+    }
 }
 
 /// The scaled program. Constraints have one index: rows `0..m`, then bounds `m..m + n`.
@@ -35,13 +40,13 @@ pub(crate) enum Squares {
 pub(crate) struct Scaled {
     pub(crate) n: usize,
     pub(crate) m: usize,
-    width: usize,
+    pub(crate) width: usize,
     /// Scaled Hessian, symmetrised, by rows; valid within blocks.
-    hessian: Vec<Lanes>,
+    pub(crate) hessian: Vec<Lanes>,
     /// Of a block-diagonal Hessian, with the squares, the block that each variable is in.
     pub(crate) block: Vec<Span>,
     /// Where the rows of the Hessian are not zero.
-    hessian_span: Vec<Span>,
+    pub(crate) hessian_span: Vec<Span>,
     pub(crate) gradient: Vec<Lanes>,
     rows: Vec<Lanes>,
     /// Where a row is not zero; of a bound, its variable.
@@ -54,7 +59,7 @@ pub(crate) struct Scaled {
     /// Equalities whose squares are added to the Hessian.
     pub(crate) squared: Vec<usize>,
     /// `D⁻¹`: `x_j = unit_j z_j`.
-    unit: Vec<Lanes>,
+    pub(crate) unit: Vec<Lanes>,
     /// What each row was multiplied by after the scaling of the variables.
     pub(crate) row_factor: Vec<f64>,
 }
@@ -92,17 +97,20 @@ impl Scaled {
         }
         replaced::find(problem, &mut self.replaced);
         let mut sound = true;
+        let (hessian, gradient) = (problem.hessian(), problem.gradient());
         for j in 0..n {
-            let cost = problem.hessian()[j * n + j];
-            let unit = unit_of_cost(cost).unwrap_or_else(|| self.unit_without_cost(problem, j));
+            let unit = unit_of_cost(hessian[j * n + j]).unwrap_or_else(|| self.unit_without_cost(problem, j));
             self.unit.as_flattened_mut()[j] = unit;
-            let gradient = problem.gradient()[j] * unit;
-            self.gradient.as_flattened_mut()[j] = gradient;
-            let (lower, upper) = (problem.lower()[j], problem.upper()[j]);
-            sound &= gradient.is_finite() && are_bounds(lower, upper);
-            self.lower[m + j] = lower / unit;
-            self.upper[m + j] = upper / unit;
-            self.kind[m + j] = self.kind_of(m + j, false);
+        }
+        let of_bounds = self.lower[m..].iter_mut().zip(&mut self.upper[m..]).zip(&mut self.kind[m..]);
+        let of_variables = self.unit.as_flattened().iter().zip(self.gradient.as_flattened_mut());
+        let given = gradient.iter().zip(problem.lower().iter().zip(problem.upper()));
+        for ((((low, up), kind), (unit, slope)), (g, (lower, upper))) in of_bounds.zip(of_variables).zip(given) {
+            *slope = g * unit;
+            sound &= slope.is_finite() && are_bounds(*lower, *upper);
+            let inverse = 1.0 / unit;
+            (*low, *up) = (lower * inverse, upper * inverse);
+            *kind = Kind::of(*low, *up);
         }
         for i in 0..m {
             sound &= self.load_row(problem, i);
@@ -151,7 +159,7 @@ impl Scaled {
         let defined = self.defines(i);
         let span = match defined {
             Some(replaced) => replaced::without(problem.row(i), replaced.variable),
-            None => Span::of(problem.row(i)),
+            None => Span::expected(problem.row(i), self.span[i]),
         };
         self.span[i] = span;
         let sound = are_bounds(problem.row_lower()[i], problem.row_upper()[i]);
@@ -161,130 +169,38 @@ impl Scaled {
         };
         if span == Span::EMPTY {
             (self.row_factor[i], self.lower[i], self.upper[i]) = (1.0, lower, upper);
-            self.kind[i] = self.kind_of(i, true);
+            let free = Kind::of(lower, upper) == Kind::Free;
+            self.kind[i] = if free { Kind::Free } else { Kind::Empty };
             return sound;
         }
         let lanes = span.lanes();
         let row = &mut self.rows[i * self.width..][lanes.clone()];
         let source = &problem.row(i)[WIDTH * lanes.start..self.n.min(WIDTH * lanes.end)];
-        lanes::load_product(1.0, &self.unit[lanes.clone()], source, row);
-        if let Some(replaced) = defined.filter(|replaced| lanes.contains(&lanes::lane(replaced.variable))) {
-            row.as_flattened_mut()[replaced.variable - WIDTH * lanes.start] = 0.0;
-        }
-        let squares = lanes::dot(row, row);
-        let mut factor = 1.0;
-        let mut empty = true;
-        if (1e-200..1e200).contains(&squares) {
-            factor = 1.0 / power_of_two_root(squares);
-            empty = false;
-        } else {
-            // By the largest entry first, so that the squares neither over- nor underflow.
-            let largest = max_abs(row.as_flattened());
-            if largest > 0.0 {
-                factor = 1.0 / power_of_two(largest);
-                let squares = row.as_flattened().iter().map(|a| (a * factor) * (a * factor)).sum::<f64>();
-                factor /= power_of_two_root(squares);
-                empty = false;
+        let removed = defined.map(|replaced| replaced.variable).filter(|j| lanes.contains(&lanes::lane(*j)));
+        let load = |factor: f64, row: &mut [Lanes]| {
+            lanes::load_product(factor, &self.unit[lanes.clone()], source, row);
+            if let Some(j) = removed {
+                row.as_flattened_mut()[j - WIDTH * lanes.start] = 0.0;
             }
+            lanes::dot(row, row)
+        };
+        // Most often the factor is that of the solve before.
+        let mut factor = self.row_factor[i];
+        let mut squares = load(factor, row);
+        let mut empty = false;
+        if !(1.0..4.0).contains(&squares) {
+            squares = load(1.0, row);
+            (factor, empty) = unit_factor(row, squares);
+            lanes::scale(factor, row);
         }
-        lanes::scale(factor, row);
-        self.row_factor[i] = factor;
-        self.lower[i] = lower * factor;
-        self.upper[i] = upper * factor;
-        self.kind[i] = self.kind_of(i, empty);
+        let (lower, upper) = (lower * factor, upper * factor);
+        (self.row_factor[i], self.lower[i], self.upper[i]) = (factor, lower, upper);
+        self.kind[i] = match Kind::of(lower, upper) {
+            Kind::Free => Kind::Free,
+            _ if empty => Kind::Empty,
+            kind => kind,
+        };
         squares < f64::INFINITY && sound
-    }
-
-    fn kind_of(&self, c: usize, empty: bool) -> Kind {
-        let (lower, upper) = (self.lower[c], self.upper[c]);
-        if lower == f64::NEG_INFINITY && upper == f64::INFINITY {
-            Kind::Free
-        } else if empty {
-            Kind::Empty
-        } else if lower >= upper {
-            Kind::Equality
-        } else {
-            Kind::Inequality
-        }
-    }
-
-    /// Fills in the Hessian with the blocks that it and the squares of equalities make.
-    pub(crate) fn load_hessian(&mut self, problem: &Problem, squares: Squares) -> Result<(), Defect> {
-        let n = self.n;
-        let h = problem.hessian();
-        self.choose_squares(problem, squares);
-        for (i, row) in h.chunks_exact(n.max(1)).enumerate() {
-            self.hessian_span[i] = Span::of(row).union(Span::one(i));
-        }
-        self.find_blocks();
-        let mut regular = true;
-        for i in 0..n {
-            for j in self.block[i].first..i {
-                let (a, b) = (h[i * n + j], h[j * n + i]);
-                regular &= (a - b).abs() <= 2.0 * f64::EPSILON * a.abs();
-            }
-            regular &= h[i * n + i].is_finite();
-            let lanes = self.block[i].lanes();
-            let source = &h[i * n..(i + 1) * n][WIDTH * lanes.start..n.min(WIDTH * lanes.end)];
-            let row = &mut self.hessian[i * self.width..][lanes.clone()];
-            lanes::load_product(self.unit.as_flattened()[i], &self.unit[lanes], source, row);
-        }
-        for replaced in &self.replaced {
-            self.hessian[replaced.variable * self.width..].as_flattened_mut()[replaced.variable] = 1.0;
-        }
-        if regular { Ok(()) } else { self.symmetrise(problem) }
-    }
-
-    /// A closer look at a Hessian with what is not a finite number, or with more than rounding errors between its triangles.
-    fn symmetrise(&mut self, problem: &Problem) -> Result<(), Defect> {
-        check(problem)?;
-        let matrix = self.hessian.as_flattened_mut();
-        let stride = WIDTH * self.width;
-        for i in 0..self.n {
-            for j in self.block[i].first..i {
-                let mean = 0.5 * matrix[i * stride + j] + 0.5 * matrix[j * stride + i];
-                matrix[i * stride + j] = mean;
-                matrix[j * stride + i] = mean;
-            }
-        }
-        let finite = (0..self.n).all(|i| are_finite(&self.hessian_row(i)[self.block[i].lanes()]));
-        if finite { Ok(()) } else { Err(Defect::Overflow) }
-    }
-
-    fn choose_squares(&mut self, problem: &Problem, squares: Squares) {
-        let has_cost = |j: usize| problem.hessian()[j * self.n + j] != 0.0;
-        self.squared.clear();
-        if squares == Squares::None {
-            return;
-        }
-        for c in (0..self.constraints()).filter(|&c| self.kind[c] == Kind::Equality) {
-            let is_entry = |j: usize| c >= self.m || problem.row(c)[j] != 0.0;
-            if squares == Squares::All || self.span[c].entries().any(|j| is_entry(j) && !has_cost(j)) {
-                self.squared.push(c);
-            }
-        }
-    }
-
-    /// Spans that overlap belong to one block.
-    fn find_blocks(&mut self) {
-        for j in 0..self.n {
-            self.block[j] = Span::one(j);
-        }
-        let rows = self.squared.iter().map(|&c| self.span[c]);
-        for span in self.hessian_span.iter().copied().chain(rows) {
-            let end = &mut self.block[span.first].end;
-            *end = span.end.max(*end);
-        }
-        let mut first = 0;
-        while first < self.n {
-            let (mut end, mut j) = (first, first);
-            while j == first || j < end {
-                end = end.max(self.block[j].end);
-                j += 1;
-            }
-            self.block[first..end].fill(Span { first, end });
-            first = end;
-        }
     }
 
     /// Number of constraints.
@@ -332,6 +248,30 @@ impl Scaled {
         }
     }
 
+    /// Calls `with` the index of each inequality, and by how much `a_cᵀz` is below its lower and above its upper side.
+    #[inline]
+    pub(crate) fn for_each_inequality(&self, z: &[Lanes], mut with: impl FnMut(usize, f64, f64)) {
+        let (row_lower, lower) = self.lower.split_at(self.m);
+        let (row_upper, upper) = self.upper.split_at(self.m);
+        let (row_kind, kind) = self.kind.split_at(self.m);
+        let rows = self.rows.chunks_exact(self.width.max(1)).zip(&self.span);
+        for (c, (((row, span), kind), (lower, upper))) in
+            rows.zip(row_kind).zip(row_lower.iter().zip(row_upper)).enumerate()
+        {
+            if *kind == Kind::Inequality {
+                let lanes = span.lanes();
+                let value = lanes::dot(&row[lanes.clone()], &z[lanes]);
+                with(c, lower - value, value - upper);
+            }
+        }
+        let bounds = kind.iter().zip(lower.iter().zip(upper));
+        for (c, (value, (kind, (lower, upper)))) in (self.m..).zip(z.as_flattened().iter().zip(bounds)) {
+            if *kind == Kind::Inequality {
+                with(c, lower - value, value - upper);
+            }
+        }
+    }
+
     /// `∑ |a_cj v_j|`.
     pub(crate) fn times_abs(&self, c: usize, v: &[Lanes]) -> f64 {
         if c < self.m {
@@ -353,6 +293,22 @@ impl Scaled {
     }
 }
 
-fn are_finite(numbers: &[Lanes]) -> bool {
+/// What makes the norm of a row one, or up to two, and whether it is zero.
+fn unit_factor(row: &[Lanes], squares: f64) -> (f64, bool) {
+    if (1e-200..1e200).contains(&squares) {
+        return (1.0 / power_of_two_root(squares), false);
+    }
+    // By the largest entry first, so that the squares neither over- nor underflow.
+    let largest = max_abs(row.as_flattened());
+    if largest > 0.0 {
+        let factor = 1.0 / power_of_two(largest);
+        let squares = row.as_flattened().iter().map(|a| (a * factor) * (a * factor)).sum::<f64>();
+        (factor / power_of_two_root(squares), false)
+    } else {
+        (1.0, true)
+    }
+}
+
+pub(crate) fn are_finite(numbers: &[Lanes]) -> bool {
     numbers.as_flattened().iter().all(|x| x.is_finite())
 }

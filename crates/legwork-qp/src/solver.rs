@@ -2,8 +2,9 @@
 
 use crate::certificate::side;
 use crate::dual::Search;
+use crate::hessian::Squares;
 use crate::modes::Modes;
-use crate::scale::{Kind, Scaled, Squares};
+use crate::scale::{Kind, Scaled};
 use crate::working_set::{Member, WorkingSet};
 use crate::{Active, Conflict, Constraint, Defect, Problem, Settings, Side, Status};
 
@@ -17,6 +18,8 @@ pub struct Solver {
     guess: Vec<Member>,
     /// The user wished so.
     given: bool,
+    /// The guess comes from an optimum, or from the user.
+    informed: bool,
     modes: Modes,
     /// Members with Farkas weights.
     conflict: Vec<(Member, f64)>,
@@ -42,6 +45,7 @@ impl Solver {
             set: WorkingSet::new(n, m),
             guess: Vec::with_capacity(n),
             given: false,
+            informed: false,
             modes: Modes::new(n),
             conflict: Vec::with_capacity(n + 1),
             x: vec![0.0; n],
@@ -84,6 +88,7 @@ impl Solver {
         }
         if !self.settings.warm_start && !self.given {
             self.guess.clear();
+            self.informed = false;
         }
         self.given = false;
         let mut search = Search {
@@ -91,6 +96,7 @@ impl Solver {
             set: &mut self.set,
             settings: &self.settings,
             conflict: &mut self.conflict,
+            informed: self.informed,
             iterations: 0,
             refined: false,
         };
@@ -98,6 +104,7 @@ impl Solver {
         self.iterations = search.iterations;
         self.guess.clear();
         self.guess.extend_from_slice(&self.set.members[self.set.equalities..]);
+        self.informed = status == Status::Optimal || !self.guess.is_empty();
         if status == Status::Optimal {
             self.modes.keep(&self.guess);
         }
@@ -182,7 +189,7 @@ impl Solver {
     /// Forgets all working sets: the next solve starts cold.
     pub fn forget(&mut self) {
         self.guess.clear();
-        self.given = false;
+        (self.given, self.informed) = (false, false);
         self.modes.forget();
     }
 
@@ -201,7 +208,7 @@ impl Solver {
                 self.guess.push(Member { c, sign: if side == Side::Lower { 1.0 } else { -1.0 } });
             }
         }
-        self.given = true;
+        (self.given, self.informed) = (true, true);
     }
 
     /// Says in which mode, of contacts for instance, the problems that follow are: a key of one's own making.

@@ -26,9 +26,9 @@ impl Search<'_> {
         let (m, all) = (self.program.m, self.program.constraints());
         self.set.left.clear();
         for (range, single) in [(m..all, true), (0..m, true), (0..m, false)] {
-            for c in range {
+            for (c, _) in range.clone().zip(&self.program.kind[range]).filter(|(_, kind)| **kind == Kind::Equality) {
                 let span = self.program.span[c];
-                if self.program.kind[c] == Kind::Equality && (span.end == span.first + 1) == single {
+                if (span.end == span.first + 1) == single {
                     self.set.left.push((c, f64::INFINITY));
                 }
             }

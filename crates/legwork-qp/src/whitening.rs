@@ -1,13 +1,12 @@
 //! The variables in which the Hessian is the identity: `y = Lᵀz` where `H = L Lᵀ`. A normal `a` becomes `L⁻¹a`.
 //!
-//! `L⁻¹` is formed along with `L`, row by row, block by block of a block-diagonal `H`: a variable with a cost of its own (a
-//! force, a slack) costs one square root. Products with `L⁻¹` have no chain of dependent operations, unlike
+//! `L⁻¹` takes the place of `H` by elimination of rows, block by block of a block-diagonal `H`: a variable with a cost of its
+//! own (a force, a slack) costs one square root. Products with `L⁻¹` have no chain of dependent operations, unlike
 //! solutions of triangular systems, and the norms of its columns bound rounding errors.
 
 use std::ops::Range;
 
-use crate::lanes::{Lanes, Span, WIDTH, add_product, axpy, axpys, dot, dots, lane, zeros};
-use crate::linear;
+use crate::lanes::{Lanes, Span, WIDTH, axpy, axpys, dots, lane, scale, zeros};
 use crate::scale::Scaled;
 
 /// A pivot of the Cholesky factorisation of a matrix with a diagonal of order one counts as zero below this times n.
@@ -16,16 +15,12 @@ const PIVOT: f64 = 64.0 * f64::EPSILON;
 #[derive(Clone, Debug)]
 pub(crate) struct Whitening {
     width: usize,
-    /// Rows of `H`, then those of `L` with the inverses of its diagonal.
-    l: Vec<Lanes>,
-    /// `L⁻¹`, by columns: column `j` from entry `j` to the end of its block, for coupled blocks.
-    inverse: Vec<Lanes>,
+    /// `L⁻¹` by rows. Four rows make a lane; they are valid, with zeros, from the first lane of any to that of their diagonal.
+    rows: Vec<Lanes>,
     block: Vec<Span>,
-    /// The blocks of more than one variable; and of the other variables, the diagonal of `L⁻¹`.
-    coupled: Vec<Span>,
-    diagonal: Vec<Lanes>,
-    /// Where column `j` is, in lanes.
-    lanes: Vec<Range<usize>>,
+    /// Of each four rows the first lane with an entry; and their diagonal, if that is all they have.
+    first: Vec<usize>,
+    diagonal: Vec<Option<Lanes>>,
     /// `√(H⁻¹)_jj`.
     norms: Vec<Lanes>,
 }
@@ -35,12 +30,10 @@ impl Whitening {
         let width = zeros(n).len();
         Self {
             width,
-            l: zeros(WIDTH * width * n),
-            inverse: zeros(WIDTH * width * n),
+            rows: vec![[0.0; WIDTH]; width * width * WIDTH],
             block: vec![Span::EMPTY; n],
-            coupled: Vec::with_capacity(n),
-            diagonal: zeros(n),
-            lanes: vec![0..0; n],
+            first: vec![0; width],
+            diagonal: vec![None; width],
             norms: zeros(n),
         }
     }
@@ -52,69 +45,91 @@ impl Whitening {
 
     /// Factorises the Hessian with the squares of the program's chosen equalities. False if it is not positive definite.
     pub(crate) fn factorise(&mut self, program: &Scaled) -> bool {
+        self.load(program);
+        let mut i = 0;
+        while i < self.block.len() {
+            let block = self.block[i];
+            let definite = if block.end == i + 1 { self.invert(i) } else { self.eliminate(block) };
+            if !definite {
+                return false;
+            }
+            i = block.end;
+        }
+        self.norms.fill([0.0; WIDTH]);
+        for (i, four) in self.block.chunks(WIDTH).enumerate() {
+            let lanes = self.first[i]..i + 1;
+            let rows = four_rows(&self.rows, self.width, i, &lanes);
+            for (l, norms) in self.norms[lanes].iter_mut().enumerate() {
+                for k in 0..WIDTH {
+                    let [a, b, c, d] = rows.map(|row| row[l][k]);
+                    norms[k] += (a * a + b * b) + (c * c + d * d);
+                }
+            }
+            let single = four.iter().all(|block| block.end == block.first + 1);
+            self.diagonal[i] = single.then(|| std::array::from_fn(|k| rows[k][0][k]));
+        }
+        self.norms.as_flattened_mut().iter_mut().for_each(|norm| *norm = norm.sqrt());
+        true
+    }
+
+    fn load(&mut self, program: &Scaled) {
         let width = self.width;
         self.block.copy_from_slice(&program.block);
-        for (j, block) in program.block.iter().enumerate() {
-            let row = block.lanes();
-            self.l[j * width..][row.clone()].copy_from_slice(&program.hessian_row(j)[row]);
-            self.lanes[j] = lane(j)..block.lanes().end;
+        for (first, four) in self.first.iter_mut().zip(self.block.chunks(WIDTH)) {
+            *first = lane(four[0].first);
+        }
+        for (i, block) in self.block.iter().enumerate() {
+            let lanes = block.lanes();
+            let row = &mut self.rows[i * width..][..width];
+            row[lanes.clone()].copy_from_slice(&program.hessian_row(i)[lanes.clone()]);
+            row[self.first[lane(i)]..lanes.start].fill([0.0; WIDTH]);
         }
         for &c in &program.squared {
             let Some(row) = program.row(c) else {
                 let j = c - program.m;
-                self.l[j * width..].as_flattened_mut()[j] += 1.0;
+                self.rows[j * width..].as_flattened_mut()[j] += 1.0;
                 continue;
             };
             for j in program.span[c].entries() {
                 let lanes = program.span[c].lanes();
-                axpy(row.as_flattened()[j], &row[lanes.clone()], &mut self.l[j * width..][lanes]);
+                axpy(row.as_flattened()[j], &row[lanes.clone()], &mut self.rows[j * width..][lanes]);
             }
         }
-        self.coupled.clear();
-        self.diagonal.fill([0.0; WIDTH]);
-        for i in 0..self.block.len() {
-            if !self.factorise_row(i) {
-                return false;
-            }
-        }
-        for (j, lanes) in self.lanes.iter().enumerate() {
-            let inverse = self.diagonal.as_flattened()[j];
-            let column = &self.inverse[j * width..][lanes.clone()];
-            self.norms.as_flattened_mut()[j] = if inverse > 0.0 { inverse } else { dot(column, column).sqrt() };
-        }
-        true
     }
 
-    /// Row `i` of `L` (Crout) and of `L⁻¹`. False if its pivot is zero.
-    fn factorise_row(&mut self, i: usize) -> bool {
-        let (n, width, Span { first, end }) = (self.block.len(), self.width, self.block[i]);
-        let stride = WIDTH * width;
-        let (above, row) = self.l.as_flattened_mut().split_at_mut(i * stride);
-        let row = &mut row[..=i];
-        for (j, other) in (first..i).zip(above[first * stride..].chunks_exact(stride)) {
-            row[j] = (row[j] - linear::dot(&row[first..j], &other[first..j])) * other[j];
+    /// A block of one variable.
+    fn invert(&mut self, i: usize) -> bool {
+        let entry = &mut self.rows[i * self.width + lane(i)][i % WIDTH];
+        let pivot = *entry;
+        *entry = 1.0 / pivot.sqrt();
+        is_pivot(pivot, self.block.len())
+    }
+
+    /// Turns a block of `H` into one of `L⁻¹` by elimination. False if a pivot is zero.
+    ///
+    /// Each row `j` that is subtracted from those below it adds column `j` of `L⁻¹` to them and takes one of `H`.
+    fn eliminate(&mut self, block: Span) -> bool {
+        let (n, width, lanes) = (self.block.len(), self.width, block.lanes());
+        let origin = lanes.start * WIDTH;
+        for j in block.entries() {
+            let (above, below) = self.rows.split_at_mut((j + 1) * width);
+            let row = &mut above[j * width..][lanes.clone()];
+            let pivot = row.as_flattened()[j - origin];
+            if !is_pivot(pivot, n) {
+                return false;
+            }
+            row.as_flattened_mut()[j - origin] = 1.0;
+            let reciprocal = 1.0 / pivot;
+            for other in below.chunks_exact_mut(width).take(block.end - j - 1) {
+                let other = &mut other[lanes.clone()];
+                let entry = &mut other.as_flattened_mut()[j - origin];
+                let factor = *entry * reciprocal;
+                *entry = 0.0;
+                axpy(-factor, row, other);
+            }
+            scale(reciprocal.sqrt(), row);
+            row[lane(j) - lanes.start][j % WIDTH + 1..].fill(0.0);
         }
-        let row_before = &row[first..i];
-        let pivot = row[i] - linear::dot(row_before, row_before);
-        // A NaN fails too.
-        if pivot.is_nan() || pivot <= PIVOT * n as f64 {
-            return false;
-        }
-        let inverse = 1.0 / pivot.sqrt();
-        row[i] = inverse;
-        if end == first + 1 {
-            self.diagonal.as_flattened_mut()[i] = inverse;
-            return true;
-        }
-        if i == first {
-            self.coupled.push(self.block[i]);
-        }
-        self.inverse[i * width..][self.lanes[i].clone()].fill([0.0; WIDTH]);
-        let columns = self.inverse.as_flattened_mut()[first * stride..].chunks_exact_mut(stride);
-        for (j, column) in (first..i).zip(columns) {
-            column[i] = -inverse * linear::dot(&row[j..i], &column[j..i]);
-        }
-        self.inverse.as_flattened_mut()[i * stride + i] = inverse;
         true
     }
 
@@ -124,75 +139,69 @@ impl Whitening {
         if let Some(row) = program.row(c) {
             return self.times(row, span, sign, out);
         }
-        let (j, block) = (span.first, self.block[span.first]);
+        let (j, end) = (span.first, self.block[span.first].end);
         out.fill([0.0; WIDTH]);
-        if block.end == block.first + 1 {
-            out.as_flattened_mut()[j] = sign * self.diagonal.as_flattened()[j];
-        } else {
-            axpy(sign, self.column(j), &mut out[self.lanes[j].clone()]);
+        let rows = self.rows.as_flattened().chunks_exact(WIDTH * self.width);
+        for (out, row) in out.as_flattened_mut()[j..end].iter_mut().zip(rows.skip(j)) {
+            *out = sign * row[j];
         }
-        Span { first: j, end: block.end }
+        Span { first: j, end }
     }
 
     /// `out = alpha L⁻¹v` for a vector that is zero outside of `span`.
     pub(crate) fn times(&self, v: &[Lanes], span: Span, alpha: f64, out: &mut [Lanes]) -> Span {
         out.fill([0.0; WIDTH]);
-        let lanes = span.lanes();
-        add_product(alpha, &self.diagonal[lanes.clone()], &v[lanes.clone()], &mut out[lanes]);
-        for block in &self.coupled {
-            let (first, end) = (span.first.max(block.first), span.end.min(block.end));
-            let mut j = first;
-            while j < end {
-                // Four columns of one lane begin and end in the same lanes.
-                let lanes = self.lanes[j].clone();
-                if j % WIDTH == 0 && j + WIDTH <= end {
-                    axpys(v[lane(j)].map(|v| alpha * v), self.four(j, &lanes), &mut out[lanes]);
-                    j += WIDTH;
-                } else {
-                    axpy(alpha * v.as_flattened()[j], self.column(j), &mut out[lanes]);
-                    j += 1;
+        let within = span.lanes();
+        // Blocks end in the order of their variables.
+        let end = if span.end == 0 { 0 } else { self.block[span.end - 1].end };
+        for i in within.start..end.div_ceil(WIDTH) {
+            if let Some(diagonal) = self.diagonal[i] {
+                if i < within.end {
+                    out[i] = std::array::from_fn(|k| alpha * v[i][k] * diagonal[k]);
+                }
+            } else {
+                let lanes = self.first[i].max(within.start)..(i + 1).min(within.end);
+                if !lanes.is_empty() {
+                    let products = dots(four_rows(&self.rows, self.width, i, &lanes), &v[lanes]);
+                    out[i] = products.map(|product| alpha * product);
                 }
             }
         }
-        // Blocks end in the order of their variables.
-        Span { first: span.first, end: if span.end == 0 { 0 } else { self.block[span.end - 1].end } }
+        Span { first: span.first, end }
     }
 
     /// `z −= L⁻ᵀy`.
     pub(crate) fn subtract_unwhitened(&self, y: &[Lanes], z: &mut [Lanes]) {
-        add_product(-1.0, &self.diagonal, y, z);
-        for block in &self.coupled {
-            let mut j = block.first;
-            while j < block.end {
-                let lanes = self.lanes[j].clone();
-                if j % WIDTH == 0 && j + WIDTH <= block.end {
-                    let products = dots(self.four(j, &lanes), &y[lanes]);
-                    z[lane(j)].iter_mut().zip(products).for_each(|(z, product)| *z -= product);
-                    j += WIDTH;
-                } else {
-                    z.as_flattened_mut()[j] -= dot(self.column(j), &y[lanes]);
-                    j += 1;
+        for (i, y) in y.iter().enumerate() {
+            if let Some(diagonal) = self.diagonal[i] {
+                for k in 0..WIDTH {
+                    z[i][k] -= diagonal[k] * y[k];
                 }
+            } else {
+                let lanes = self.first[i]..i + 1;
+                axpys(y.map(|y| -y), four_rows(&self.rows, self.width, i, &lanes), &mut z[lanes]);
             }
         }
     }
+}
 
-    /// Columns of `L⁻¹` from `j` on.
-    fn four(&self, j: usize, lanes: &Range<usize>) -> [&[Lanes]; WIDTH] {
-        std::array::from_fn(|i| &self.inverse[(j + i) * self.width..][lanes.clone()])
-    }
+/// A NaN is none.
+fn is_pivot(pivot: f64, n: usize) -> bool {
+    pivot > PIVOT * n as f64
+}
 
-    /// Column `j` of `L⁻¹` in its lanes, in a coupled block.
-    fn column(&self, j: usize) -> &[Lanes] {
-        &self.inverse[j * self.width..][self.lanes[j].clone()]
-    }
+/// The rows of lane `i`.
+#[inline]
+fn four_rows<'a>(rows: &'a [Lanes], width: usize, i: usize, lanes: &Range<usize>) -> [&'a [Lanes]; WIDTH] {
+    std::array::from_fn(|k| &rows[(i * WIDTH + k) * width..][lanes.clone()])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Problem;
-    use crate::scale::Squares;
+    use crate::hessian::Squares;
+    use crate::lanes::dot;
 
     const N: usize = 7;
 

@@ -67,3 +67,13 @@ fn encode(programs: &[Problem]) -> Vec<u8> {
     }
     bytes
 }
+
+/// All numbers of a program, in one order.
+fn numbers(problem: &Problem) -> Vec<f64> {
+    let mut all = problem.hessian().to_vec();
+    all.extend(problem.gradient());
+    (0..problem.m()).for_each(|i| all.extend(problem.row(i)));
+    all.extend(problem.row_lower().iter().chain(problem.row_upper()));
+    all.extend(problem.lower().iter().chain(problem.upper()));
+    all
+}

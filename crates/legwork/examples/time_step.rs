@@ -16,12 +16,17 @@ use legwork_rbd::{Dynamics, Model};
 
 type Failure = Box<dyn std::error::Error>;
 
+/// Writes the torques of a step [Nm].
+type Torque = dyn Fn(usize, &Simulator, &mut [f64]);
+
 /// What is simulated, and the torques that are wanted in a state.
 struct Case {
     start: Simulator,
     steps: usize,
-    torque: Box<dyn Fn(usize, &Simulator, &mut [f64])>,
+    torque: Box<Torque>,
 }
+
+type MakeCase = fn() -> Result<Case, Failure>;
 
 fn main() -> Result<(), Failure> {
     let mut arguments = std::env::args().skip(1);
@@ -29,7 +34,7 @@ fn main() -> Result<(), Failure> {
     let only = arguments.next();
     let mut out = io::stdout();
     writeln!(out, "case           median [us]  p99 [us]  sweeps mean  max  residual [N]")?;
-    let cases: [(&str, fn() -> Result<Case, Failure>); 4] = [
+    let cases: [(&str, MakeCase); 4] = [
         ("planar walk", || walking("walk")),
         ("planar stand", || walking("stand")),
         ("exo18 stand", || standing(0.0)),

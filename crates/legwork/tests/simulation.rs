@@ -190,6 +190,67 @@ fn box_feet_carry_the_weight_on_corners_that_nothing_tells_apart() {
     assert!(simulator.audit().slip_m < 1e-3, "stands: {}", simulator.audit().slip_m);
 }
 
+/// Heel and toe of each foot on the ground, feet 0.3 m apart, joined by ankles, knees and hips.
+fn planar_with_soles() -> (Model, Vec<f64>) {
+    let mut text = String::from("name = \"soles\"\nbase = \"planar\"\ntorso = \"trunk\"\ncontacts = [\n");
+    for side in ["right", "left"] {
+        for (name, x) in [("heel", -0.12), ("toe", 0.12)] {
+            text += &format!(
+                "{{ name = \"{side}_{name}\", foot = \"{side}\", body = \"{side}_foot\", position_m = [{x:?}, 0.0, 0.0] }},\n"
+            );
+        }
+    }
+    text += "]\n[[bodies]]\nname = \"trunk\"\nmass_kg = 40.0\ncom_m = [0.0, 0.0, 0.25]\ninertia_kgm2 = 2.0\n";
+    for side in ["right", "left"] {
+        for (name, parent, z, mass) in [
+            ("thigh", "trunk".to_owned(), 0.0, 7.0),
+            ("shank", format!("{side}_thigh"), -0.43, 4.0),
+            ("foot", format!("{side}_shank"), -0.43, 1.0),
+        ] {
+            text += &format!(
+                "[[bodies]]\nname = \"{side}_{name}\"\nparent = \"{parent}\"\nmass_kg = {mass:?}\n\
+                 com_m = [0.0, 0.0, {:?}]\ninertia_kgm2 = 0.05\njoint = {{ name = \"{side}_{name}\", type = \"revolute\", \
+                 axis = [0.0, -1.0, 0.0], origin_m = [0.0, 0.0, {z:?}] }}\n",
+                if name == "foot" { 0.0 } else { -0.2 }
+            );
+        }
+    }
+    let model = Model::from_toml(&text, "soles.toml").expect("a valid model");
+    let mut q = vec![0.0; model.nq()];
+    q[1] = 0.8;
+    for (leg, x) in [(3, 0.15_f64), (6, -0.15)] {
+        let (lean, bend) = ((x / 0.8).atan(), (x.hypot(0.8) / 0.86).acos());
+        (q[leg], q[leg + 1], q[leg + 2]) = (lean + bend, -2.0 * bend, bend - lean);
+    }
+    (model, q)
+}
+
+#[test]
+fn heel_and_toe_of_one_foot_kept_the_contact_solver_at_its_last_sweep() {
+    let (model, start) = planar_with_soles();
+    let mut simulator = simulator(&Scenario::default(), &model, &start);
+    let mut torque = vec![0.0; 6];
+    for step in 0..1000 {
+        for (j, torque) in torque.iter_mut().enumerate() {
+            let asked = start[3 + j] + 0.01 * (0.03 * f64::from(step) + j as f64).sin();
+            *torque = 2000.0 * (asked - simulator.q()[3 + j]) - 50.0 * simulator.v()[3 + j];
+        }
+        assert!(simulator.step(&torque));
+    }
+    let audit = simulator.audit();
+    assert_eq!(audit.violations(), Vec::<String>::new());
+    assert!(audit.contact_residual_n <= 1e-6 && audit.contact_sweeps <= 20, "{audit:?}");
+}
+
+#[test]
+fn a_foot_lifted_and_put_down_left_the_contact_solver_short_of_its_tolerance() {
+    let run = common::run("exo-lift", &[]);
+    assert!(run.audit.contact_residual_n < 1e-4, "{} N", run.audit.contact_residual_n);
+    let contact = |index: usize| run.log.get(index, legwork::log::Field::Contact);
+    let long = (0..run.log.len()).filter(|&index| contact(index)[0] > 20.0).count();
+    assert!(long < run.log.len() / 500, "{long} steps of more than 20 sweeps");
+}
+
 #[test]
 fn what_was_simulated_before_leaves_no_trace_in_a_fresh_simulator() {
     let (model, start) = exo18();

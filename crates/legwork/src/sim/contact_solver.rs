@@ -12,8 +12,8 @@ use crate::scenario::ContactSettings;
 use crate::sim::contact_law::{in_cone, inverse, slip};
 use crate::sim::simultaneous::Simultaneous;
 
-/// After this sweep, and after twice as many and so on, all contacts are solved together.
-const FIRST_JUMP: u32 = 3;
+/// After this sweep, and after twice as many and so on, all contacts are solved together where that is not done first.
+const FIRST_WALK: u32 = 3;
 
 /// Outcome of one solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -184,21 +184,24 @@ impl<const D: usize, const K: usize> ContactSolver<D, K> {
         settings: &ContactSettings,
     ) -> Report {
         self.load();
-        let mut jump = FIRST_JUMP;
+        // Where each foot has one contact visits converge fast; without a first guess they are even-handed.
+        let several = self.points.len() > self.free.len();
+        let guessed = self.points.iter().any(|point| point.impulse[D - 1] > 0.0);
+        let mut walk = if several && guessed { 0 } else { FIRST_WALK };
         let alpha = if self.points.len() == 1 { 1.0 } else { settings.relaxation };
         let mut report = Report::default();
         for sweep in 1..=settings.max_sweeps {
+            // Ever more seldom, so that guesses that lead nowhere cannot keep the visits from converging.
+            if sweep > walk {
+                together.walk(self, friction, tolerance);
+                walk = (2 * walk).max(1);
+            }
             report = Report { sweeps: sweep, residual: 0.0 };
             for index in 0..self.points.len() {
                 report.residual = report.residual.max(self.visit(index, friction, alpha));
             }
             if report.residual <= tolerance {
                 break;
-            }
-            // Ever more seldom, so that guesses that lead nowhere cannot keep the visits from converging.
-            if sweep == jump && sweep < settings.max_sweeps {
-                together.step(self, friction);
-                jump *= 2;
             }
         }
         report
@@ -263,7 +266,7 @@ mod tests {
         solver.prepare();
         let settings = Scenario::default().simulation.contact;
         let report = solver.solve(&mut Simultaneous::new(2, 1), 0.05, 1e-12, &settings);
-        assert!(report.residual <= 1e-12 && report.sweeps > 2, "{report:?}");
+        assert!(report.residual <= 1e-12 && report.sweeps > 1, "{report:?}");
         for point in &solver.points {
             let velocity = velocity_at(&solver.twist[0], &point.arm);
             assert!(velocity[1].abs() < 1e-10, "normal velocity {}", velocity[1]);
@@ -313,6 +316,29 @@ mod tests {
         }
         for other in &twists[1..] {
             assert!((0..6).all(|i| (other[i] - twists[0][i]).abs() < 1e-9), "{twists:?}");
+        }
+    }
+
+    /// Two corners on a diagonal have a gap left, as small as rounding: no twist closes it and keeps the others' height. The
+    /// visits unloaded a corner by the same little in each sweep, and the solve of all contacts was refused because its
+    /// impulse would have been negative.
+    #[test]
+    fn corners_that_ask_for_more_than_a_rigid_foot_can_do_were_unloaded_forever() {
+        let settings = Scenario::default().simulation.contact;
+        for difference in [1e-9, 1e-7, 1e-5] {
+            let mut solver = loaded_foot();
+            solver.points.iter_mut().for_each(|point| point.impulse = [0.0, 0.0, 0.1]);
+            (solver.points[0].approach, solver.points[3].approach) = (difference, difference);
+            let report = solver.solve(&mut Simultaneous::new(4, 1), 0.7, 1e-12, &settings);
+            assert!(report.residual <= 1e-12 && report.sweeps <= 10, "{difference}: {report:?}");
+            for point in &solver.points {
+                let opening = velocity_at(&solver.twist[0], &point.arm)[2] - point.approach;
+                assert!(
+                    opening > -1e-10 && (opening * point.impulse[2]).abs() < 1e-10,
+                    "{opening} {:?}",
+                    point.impulse
+                );
+            }
         }
     }
 

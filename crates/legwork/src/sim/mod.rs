@@ -11,6 +11,7 @@ pub mod push;
 pub mod sensors;
 mod simultaneous;
 pub mod spring_damper;
+mod square;
 mod tree_factor;
 mod velocity;
 

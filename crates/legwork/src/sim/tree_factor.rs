@@ -21,8 +21,10 @@ pub(super) struct TreeFactor {
     /// The coordinates of all rows, from the base outward, the own one last. A row is padded to whole fours; what stands
     /// in the padding means nothing.
     chain: Vec<usize>,
-    /// The entries of L.
-    entry: Vec<f64>,
+    /// Where the rows of those coordinates begin, in fours.
+    carriers: Vec<usize>,
+    /// The entries of L, in fours.
+    entry: Vec<[f64; 4]>,
     /// 1 / L_kk.
     inverse: Vec<f64>,
 }
@@ -39,13 +41,14 @@ impl TreeFactor {
     }
 
     fn of_chains(chains: impl Iterator<Item = Vec<usize>>) -> Self {
-        let (mut rows, mut chain) = (Vec::new(), Vec::new());
+        let (mut rows, mut chain): (Vec<Row>, Vec<usize>) = (Vec::new(), Vec::new());
         for row in chains {
             rows.push(Row { first: chain.len(), last: chain.len() + row.len() - 1 });
             chain.extend(&row);
             chain.resize(chain.len().next_multiple_of(4), row[0]);
         }
-        Self { entry: vec![0.0; chain.len()], inverse: vec![0.0; rows.len()], rows, chain }
+        let carriers = chain.iter().map(|&j: &usize| rows[j].first / 4).collect();
+        Self { entry: vec![[0.0; 4]; chain.len() / 4], inverse: vec![0.0; rows.len()], rows, chain, carriers }
     }
 
     /// Factorises the symmetric `matrix`. Returns false where it is not positive definite.
@@ -53,28 +56,25 @@ impl TreeFactor {
         let n = self.rows.len();
         for (row, column) in self.rows.iter().zip(matrix.as_slice().chunks_exact(n)) {
             let range = row.first..=row.last;
-            for (entry, &j) in self.entry[range.clone()].iter_mut().zip(&self.chain[range]) {
+            for (entry, &j) in self.entry.as_flattened_mut()[range.clone()].iter_mut().zip(&self.chain[range]) {
                 *entry = column[j];
             }
         }
         // Featherstone 2008, Table 6.3
         for (row, inverse) in self.rows.iter().zip(&mut self.inverse).rev() {
-            let (above, own) = self.entry.split_at_mut(row.first);
+            let (above, own) = self.entry.split_at_mut(row.first / 4);
             let length = row.last - row.first;
-            let pivot = own[length];
+            let own = &mut own[..=length / 4];
+            let pivot = own[length / 4][length % 4];
             if pivot.is_nan() || pivot <= 0.0 {
                 return false;
             }
             *inverse = 1.0 / pivot.sqrt();
-            let (own, _) = own[..(length + 1).next_multiple_of(4)].as_chunks_mut::<4>();
-            own.iter_mut().flatten().for_each(|value| *value *= *inverse);
-            for (p, &i) in self.chain[row.first..row.last].iter().enumerate() {
+            own.iter_mut().for_each(|four| *four = four.map(|value| value * *inverse));
+            for (p, &target) in self.carriers[row.first..row.last].iter().enumerate() {
                 let factor = own[p / 4][p % 4];
-                let (target, _) = above[self.rows[i].first..].as_chunks_mut::<4>();
-                for (target, own) in target.iter_mut().zip(&own[..=p / 4]) {
-                    for lane in 0..4 {
-                        target[lane] -= factor * own[lane];
-                    }
+                for (target, own) in above[target..].iter_mut().zip(&own[..=p / 4]) {
+                    *target = std::array::from_fn(|lane| target[lane] - factor * own[lane]);
                 }
             }
         }
@@ -83,11 +83,12 @@ impl TreeFactor {
 
     /// `x := L⁻ᵀ x`
     pub(super) fn solve_transposed(&self, x: &mut [f64]) {
+        let entry = self.entry.as_flattened();
         for k in (0..x.len()).rev() {
             let Row { first, last } = self.rows[k];
             let value = x[k] * self.inverse[k];
             x[k] = value;
-            for (entry, &j) in self.entry[first..last].iter().zip(&self.chain[first..last]) {
+            for (entry, &j) in entry[first..last].iter().zip(&self.chain[first..last]) {
                 x[j] -= entry * value;
             }
         }
@@ -95,10 +96,11 @@ impl TreeFactor {
 
     /// `x := L⁻¹ x`
     pub(super) fn solve(&self, x: &mut [f64]) {
+        let entry = self.entry.as_flattened();
         for k in 0..x.len() {
             let Row { first, last } = self.rows[k];
             let mut value = x[k];
-            for (entry, &j) in self.entry[first..last].iter().zip(&self.chain[first..last]) {
+            for (entry, &j) in entry[first..last].iter().zip(&self.chain[first..last]) {
                 value -= entry * x[j];
             }
             x[k] = value * self.inverse[k];
@@ -112,7 +114,7 @@ impl TreeFactor {
             let (before, rest) = columns.split_at_mut(p);
             let own = &mut rest[0];
             own.iter_mut().for_each(|value| *value *= self.inverse[k]);
-            let row = &self.entry[self.rows[k].first..self.rows[k].last];
+            let row = &self.entry.as_flattened()[self.rows[k].first..self.rows[k].last];
             for (target, entry) in before.iter_mut().zip(row) {
                 for i in 0..K {
                     target[i] -= entry * own[i];

@@ -105,7 +105,10 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
             point.approach = -share * gap;
         }
         match settings.contact.model {
-            ContactModel::Rigid => self.contacts.prepare(),
+            ContactModel::Rigid => {
+                self.contacts.prepare();
+                self.together.forget();
+            }
             ContactModel::SpringDamper => self.spring(settings, ground, dynamics),
         }
         true

@@ -1,0 +1,101 @@
+//! The Hessian of the scaled program: symmetric, and its blocks.
+
+use crate::input::check;
+use crate::lanes::{self, Span, WIDTH};
+use crate::scale::{Kind, Scaled, are_finite};
+use crate::{Defect, Problem};
+
+/// Which equalities' squares are added to the Hessian.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Squares {
+    None,
+    /// Of those with an entry at a variable without a cost.
+    OfFreeVariables,
+    All,
+}
+
+impl Scaled {
+    /// Fills in the Hessian with the blocks that it and the squares of equalities make.
+    pub(crate) fn load_hessian(&mut self, problem: &Problem, squares: Squares) -> Result<(), Defect> {
+        let n = self.n;
+        let h = problem.hessian();
+        let mut known = self.squared.is_empty() && squares == Squares::None;
+        self.choose_squares(problem, squares);
+        for (i, (row, known_span)) in h.chunks_exact(n.max(1)).zip(&mut self.hessian_span).enumerate() {
+            let span = Span::expected(row, *known_span).union(Span::one(i));
+            known &= span == *known_span;
+            *known_span = span;
+        }
+        if !known {
+            self.find_blocks();
+        }
+        let mut regular = true;
+        let rows = h.chunks_exact(n.max(1)).zip(self.hessian.chunks_exact_mut(self.width.max(1)));
+        for (i, ((row, out), block)) in rows.zip(&self.block).enumerate() {
+            let column = h[block.first * n + i..].iter().step_by(n);
+            for (a, b) in row[block.first..i].iter().zip(column) {
+                regular &= (a - b).abs() <= 2.0 * f64::EPSILON * a.abs();
+            }
+            regular &= row[i].is_finite();
+            let lanes = block.lanes();
+            let source = &row[WIDTH * lanes.start..n.min(WIDTH * lanes.end)];
+            lanes::load_product(self.unit.as_flattened()[i], &self.unit[lanes.clone()], source, &mut out[lanes]);
+        }
+        for replaced in &self.replaced {
+            self.hessian[replaced.variable * self.width..].as_flattened_mut()[replaced.variable] = 1.0;
+        }
+        if regular { Ok(()) } else { self.symmetrise(problem) }
+    }
+
+    /// A closer look at a Hessian with what is not a finite number, or with more than rounding errors between its triangles.
+    fn symmetrise(&mut self, problem: &Problem) -> Result<(), Defect> {
+        check(problem)?;
+        let matrix = self.hessian.as_flattened_mut();
+        let stride = WIDTH * self.width;
+        for i in 0..self.n {
+            for j in self.block[i].first..i {
+                let mean = 0.5 * matrix[i * stride + j] + 0.5 * matrix[j * stride + i];
+                matrix[i * stride + j] = mean;
+                matrix[j * stride + i] = mean;
+            }
+        }
+        let finite = (0..self.n).all(|i| are_finite(&self.hessian_row(i)[self.block[i].lanes()]));
+        if finite { Ok(()) } else { Err(Defect::Overflow) }
+    }
+
+    fn choose_squares(&mut self, problem: &Problem, squares: Squares) {
+        let has_cost = |j: usize| problem.hessian()[j * self.n + j] != 0.0;
+        self.squared.clear();
+        if squares == Squares::None {
+            return;
+        }
+        for c in (0..self.constraints()).filter(|&c| self.kind[c] == Kind::Equality) {
+            let is_entry = |j: usize| c >= self.m || problem.row(c)[j] != 0.0;
+            if squares == Squares::All || self.span[c].entries().any(|j| is_entry(j) && !has_cost(j)) {
+                self.squared.push(c);
+            }
+        }
+    }
+
+    /// Spans that overlap belong to one block.
+    fn find_blocks(&mut self) {
+        for j in 0..self.n {
+            self.block[j] = Span::one(j);
+        }
+        let rows = self.squared.iter().map(|&c| self.span[c]);
+        for span in self.hessian_span.iter().copied().chain(rows) {
+            let end = &mut self.block[span.first].end;
+            *end = span.end.max(*end);
+        }
+        let mut first = 0;
+        while first < self.n {
+            let (mut end, mut j) = (first, first);
+            while j == first || j < end {
+                end = end.max(self.block[j].end);
+                j += 1;
+            }
+            self.block[first..end].fill(Span { first, end });
+            first = end;
+        }
+    }
+}
