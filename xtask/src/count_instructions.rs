@@ -13,11 +13,13 @@ use crate::{Sum, cargo, root, say};
 /// What the example can do, its name in words, and the functions within it that are counted as well.
 type Work = (&'static str, &'static str, &'static [(&'static str, &'static str)]);
 
-const WORKS: [Work; 5] = [
+const WORKS: [Work; 7] = [
     ("tick_walk", "a control tick of the walk, direct form", &[(SOLVE, "its solve"), (UPDATE, "its dynamics")]),
     ("tick_push", "a control tick of the push, while the force acts and a step begins", &[(SOLVE, "its solve")]),
     ("tick_slack", "a control tick of the walk, slack form", &[(SOLVE, "its solve")]),
+    ("tick_exo", "a control tick of the exoskeleton in double support", &[(SOLVE, "its solve")]),
     ("step_push", "a simulation step of the push", &[]),
+    ("step_exo", "a simulation step of the exoskeleton in double support", &[]),
     ("dynamics_exo18", "Dynamics::update of the exoskeleton, 18 degrees of freedom", &[]),
 ];
 const SOLVE: &str = "Solver::solve";

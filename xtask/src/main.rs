@@ -1,5 +1,6 @@
 //! Project tasks: `cargo xtask test` does all that must pass, `cargo xtask count-instructions` a part of it.
 
+mod bench_peers;
 mod browser;
 mod count_instructions;
 
@@ -8,17 +9,20 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 
-const USAGE: &str = "usage: cargo xtask test | count-instructions [--write]
+const USAGE: &str = "usage: cargo xtask test | count-instructions [--write] | bench-peers [--quick] [--only GROUPS]
 
   test                 format, lint, documentation, all Rust tests and doc tests, the report in a real browser, and
                        the instructions; ends with the sum alone on a line
   count-instructions   the instructions of tick, step, solve and dynamics beside those of bench/instructions.toml;
-                       with --write they become those";
+                       with --write they become those
+  bench-peers          ours beside other people's programs, which it installs below target/peers; writes
+                       docs/performance.md";
 
 fn main() -> ExitCode {
     match env::args().nth(1).as_deref() {
         Some("test") => test(),
         Some("count-instructions") => count_instructions::run(&env::args().skip(2).collect::<Vec<_>>()),
+        Some("bench-peers") => bench_peers::run(&env::args().skip(2).collect::<Vec<String>>()),
         Some("help" | "--help" | "-h") => {
             say(USAGE);
             ExitCode::SUCCESS

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Commands that are not run here, with the reason.
-const ELSEWHERE: [(&str, &str); 8] = [
+const ELSEWHERE: [(&str, &str); 9] = [
+    ("cargo xtask bench-peers", "installs other programs and takes minutes"),
     ("legwork reproduce", "run as a whole by tests/program/reproduce.rs"),
     ("legwork study screening", "half a minute; its file is read by another test"),
     ("legwork study interactions", "takes minutes; its file is read by another test, its design run small by others"),

@@ -323,6 +323,7 @@ fn joint_limits_yield_where_they_contradict_the_torque_limits() {
     state.scenario.controller.limits.torque_nm = limit;
     for (speed, fallback) in [(-2.0, Fallback::JointLimitsYield), (-40.0, Fallback::AccelerationsYield)] {
         state.estimate.v[knee] = speed;
+        state.dynamics.update(&state.model, &state.estimate.q, &state.estimate.v);
         let mut controller =
             Controller::new(&state.scenario, &state.model, &[], &state.estimate).expect("the model fits");
         let tick = controller.tick(&state.estimate, &state.dynamics);

@@ -1,0 +1,164 @@
+//! The programs of a control loop, one a tick, as a table: variables n, rows m, then H (n × n), g, A (m × n), lower and upper
+//! bounds of A x, lower and upper bounds of x.
+
+use std::error::Error;
+use std::path::Path;
+
+use legwork::control::{Controller, Estimate};
+use legwork::scenario_file;
+use legwork::sim::Simulator;
+use legwork::start::start_pose;
+use legwork_qp::Problem;
+use legwork_rbd::Model;
+
+use crate::files::Table;
+
+/// What is recorded: a scenario, its settings, the first tick and the number of ticks.
+type Part = (&'static str, &'static [&'static str], usize, usize);
+
+const SLACK: [Part; 2] =
+    [("push", &["controller.form=slack"], 300, 1600), ("walk", &["controller.form=slack"], 0, 1600)];
+const DIRECT: [Part; 2] = [("push", &[], 300, 1600), ("walk", &[], 0, 1600)];
+/// 24 accelerations, eight contact points; the torque limit is low enough to be met.
+const HUMANOID: [Part; 2] = [
+    ("exo-sway", &["model=bench/peers/humanoid24.urdf", "controller.limits.torque_nm=60"], 0, 800),
+    (
+        "exo-lift",
+        &[
+            "model=bench/peers/humanoid24.urdf",
+            "controller.limits.torque_nm=100",
+            "reference.stance.lift_start_s=0.1",
+            "reference.stance.lift_duration_s=0.5",
+        ],
+        0,
+        2400,
+    ),
+];
+
+/// Control and physics, tick by tick.
+pub(crate) struct Loop {
+    pub(crate) model: Model,
+    pub(crate) controller: Controller,
+    pub(crate) simulator: Simulator,
+    pub(crate) estimate: Estimate,
+    steps: u64,
+}
+
+impl Loop {
+    pub(crate) fn new(scenario: &str, sets: &[String]) -> Result<Self, Box<dyn Error>> {
+        let loaded = scenario_file::load(scenario, sets)?;
+        let (scenario, model) = (&loaded.scenario, loaded.model()?);
+        let simulator = {
+            let ground = legwork::contact::GroundPlane::of(&scenario.ground, &model);
+            let q = start_pose(scenario, &model, &ground)?;
+            Simulator::new(scenario, &model, q.as_slice())?
+        };
+        let touching = (0..model.nc()).map(|contact| simulator.touching(contact)).collect();
+        let estimate = Estimate { time: 0.0, q: simulator.q().to_vec(), v: simulator.v().to_vec(), touching };
+        let controller = Controller::new(scenario, &model, &loaded.samples()?, &estimate)?;
+        let steps = (scenario.controller.period_s / scenario.simulation.period_s).round() as u64;
+        Ok(Self { model, controller, simulator, estimate, steps })
+    }
+
+    /// The ideal sensors, then the controller.
+    pub(crate) fn tick(&mut self) {
+        self.sense();
+        self.controller.tick(&self.estimate, self.simulator.dynamics());
+    }
+
+    pub(crate) fn sense(&mut self) {
+        self.estimate.time = self.simulator.time();
+        self.estimate.q.copy_from_slice(self.simulator.q());
+        self.estimate.v.copy_from_slice(self.simulator.v());
+        for contact in 0..self.model.nc() {
+            self.estimate.touching[contact] = self.simulator.touching(contact);
+        }
+    }
+
+    /// The physics up to the next tick; false where it left the bounds of the possible.
+    pub(crate) fn step(&mut self) -> bool {
+        (0..self.steps).all(|_| self.simulator.step(&self.controller.latest().solution.tau))
+    }
+}
+
+/// Records the programs "slack", "direct" (of the thesis's scenarios) or "humanoid", and says what happened in them.
+pub(crate) fn record(which: &str, out: &Path) -> Result<(), Box<dyn Error>> {
+    let parts = match which {
+        "slack" => SLACK,
+        "direct" => DIRECT,
+        "humanoid" => HUMANOID,
+        _ => return Err(format!("found '{which}'; valid are slack, direct, humanoid").into()),
+    };
+    let mut problems: Vec<Problem> = Vec::new();
+    let (mut switches, mut saturated) = (0, 0);
+    for (scenario, sets, first, ticks) in parts {
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        let mut run = Loop::new(scenario, &sets)?;
+        let mut before = (run.estimate.touching.clone(), None);
+        for tick in 0..first + ticks {
+            run.tick();
+            let now = (run.estimate.touching.clone(), run.controller.swing().map(|(foot, _)| foot));
+            if tick >= first {
+                problems.push(run.controller.problem().clone());
+                switches += usize::from(now != before);
+                saturated += usize::from(run.controller.latest().active.iter().any(|&side| side != 0));
+            }
+            before = now;
+            if !run.step() {
+                return Err(format!("{scenario} left the bounds of the possible").into());
+            }
+        }
+    }
+    let kept = used_rows(&problems);
+    let (count, n, m) = (problems.len(), problems[0].n(), kept.len());
+    say(&format!(
+        "{count} programs of {n} variables and {m} rows, {switches} contact switches, a limit active in {saturated}"
+    ));
+    let mut table = Table::new(row(&problems[0], &kept).len());
+    problems.iter().for_each(|problem| table.push(row(problem, &kept)));
+    Ok(table.write(out)?)
+}
+
+/// The rows that say something in some program: those of relaxations that never come would burden everyone.
+fn used_rows(problems: &[Problem]) -> Vec<usize> {
+    let used = |problem: &Problem, i: usize| problem.row_lower()[i].is_finite() || problem.row_upper()[i].is_finite();
+    (0..problems[0].m()).filter(|&i| problems.iter().any(|problem| used(problem, i))).collect()
+}
+
+/// One line for whoever started the program.
+pub(crate) fn say(line: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stdout(), "{line}");
+}
+
+fn row(problem: &Problem, kept: &[usize]) -> Vec<f64> {
+    let mut row = vec![problem.n() as f64, kept.len() as f64];
+    row.extend(problem.hessian());
+    row.extend(problem.gradient());
+    kept.iter().for_each(|&i| row.extend(problem.row(i)));
+    row.extend(kept.iter().map(|&i| problem.row_lower()[i]));
+    row.extend(kept.iter().map(|&i| problem.row_upper()[i]));
+    row.extend(problem.lower());
+    row.extend(problem.upper());
+    row
+}
+
+/// The program of a table's row.
+pub(crate) fn problem(row: &[f64]) -> Problem {
+    let (n, m) = (row[0] as usize, row[1] as usize);
+    let mut problem = Problem::new(n, m);
+    let mut rest = &row[2..];
+    let mut take = |count: usize| {
+        let (head, tail) = rest.split_at(count);
+        rest = tail;
+        head
+    };
+    problem.hessian_mut().copy_from_slice(take(n * n));
+    problem.gradient_mut().copy_from_slice(take(n));
+    (0..m).for_each(|i| problem.row_mut(i).copy_from_slice(take(n)));
+    problem.row_lower_mut().copy_from_slice(take(m));
+    problem.row_upper_mut().copy_from_slice(take(m));
+    problem.lower_mut().copy_from_slice(take(n));
+    problem.upper_mut().copy_from_slice(take(n));
+    problem
+}
