@@ -76,7 +76,26 @@ struct Split {
   }
 };
 
-// Runs `solve(program, warm_up)`, which appends one answer, over all programs; the first ones twice, to warm caches.
+// A x = b and l <= C x <= u, bounds apart. Rows of zeros are left out.
+struct TwoSided {
+  Matrix A, C;
+  Vector b, l, u;
+
+  explicit TwoSided(const Program& p) {
+    std::vector<int> equal, other;
+    for (int i = 0; i < p.m; ++i) {
+      if (p.A.row(i).isZero(0.0)) continue;
+      (p.row_lower[i] >= p.row_upper[i] ? equal : other).push_back(i);
+    }
+    A = p.A(equal, Eigen::all);
+    b = p.row_upper(equal);
+    C = p.A(other, Eigen::all);
+    l = p.row_lower(other);
+    u = p.row_upper(other);
+  }
+};
+
+// Runs `solve(program, out)`, which appends one answer, over all programs; the first ones twice, to warm caches.
 template <typename Solve>
 void run(const char* input, const char* output, Solve&& solve) {
   const auto programs = read_programs(input);

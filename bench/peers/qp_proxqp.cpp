@@ -12,13 +12,9 @@ int main(int, char** argv) {
   std::unique_ptr<dense::QP<double>> qp;
   Eigen::Index equalities = -1;
   run(argv[1], argv[2], [&](const Program& p, Table& out) {
-    std::vector<int> equal, other;
-    for (int i = 0; i < p.m; ++i) {
-      if (p.A.row(i).isZero(0.0)) continue;
-      (p.row_lower[i] >= p.row_upper[i] ? equal : other).push_back(i);
-    }
-    const Eigen::MatrixXd H = p.H, A = p.A(equal, Eigen::all), C = p.A(other, Eigen::all);
-    const Vector b = p.row_upper(equal), l = p.row_lower(other).cwiseMax(-1e20), u = p.row_upper(other).cwiseMin(1e20);
+    const TwoSided rows(p);
+    const auto& [A, C, b, below, above] = rows;
+    const Vector l = below.cwiseMax(-1e20), u = above.cwiseMin(1e20);
     const Vector box_l = p.lower.cwiseMax(-1e20), box_u = p.upper.cwiseMin(1e20);
     const Clock clock;
     if (!qp || equalities != A.rows()) {
@@ -27,10 +23,10 @@ int main(int, char** argv) {
       qp->settings.max_iter = 1000;
       qp->settings.max_iter_in = 100;
       qp->settings.initial_guess = InitialGuessStatus::WARM_START_WITH_PREVIOUS_RESULT;
-      qp->init(H, p.g, A, b, C, l, u, box_l, box_u);
+      qp->init(p.H, p.g, A, b, C, l, u, box_l, box_u);
       equalities = A.rows();
     } else {
-      qp->update(H, p.g, A, b, C, l, u, box_l, box_u);
+      qp->update(p.H, p.g, A, b, C, l, u, box_l, box_u);
     }
     qp->solve();
     const double time = clock.microseconds();

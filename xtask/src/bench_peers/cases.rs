@@ -31,6 +31,9 @@ pub(super) struct Case {
     pub(super) peers: Vec<(&'static str, &'static str)>,
 }
 
+/// Makes the exoskeleton's files.
+const EXO18: &str = "model models/exo18.urdf @/exo18";
+
 /// The solvers, in the order of the tables.
 const SOLVERS: [&str; 7] = ["eiquadprog-fast", "quadprog", "PIQP", "ProxQP", "Clarabel", "OSQP", "qpOASES"];
 
@@ -47,7 +50,7 @@ pub(super) fn all() -> Vec<Case> {
         dynamics(
             "dynamics-exo18",
             "Dynamics of a tick, exo18, 18 coordinates",
-            vec!["model models/exo18.urdf @/exo18", "states models/exo18.urdf 2000 @/exo18.states"],
+            vec![EXO18, "states models/exo18.urdf 2000 @/exo18.states"],
             "dynamics models/exo18.urdf @/exo18.states",
             "@/exo18 @/exo18.states",
         ),
@@ -75,20 +78,22 @@ pub(super) fn all() -> Vec<Case> {
             "@/humanoid",
             "@/humanoid on",
         ),
-        loops("tick-planar7", "tick", "Control tick, planar humanoid, thesis's walk", "tick walk", vec![]),
+        loops("tick-planar7", "tick", "Control tick, planar humanoid, thesis's walk", "tick walk", vec![], vec![]),
         loops(
             "tick-double",
             "tick",
             "Control tick, exo18, double support",
             "tick exo-sway",
-            vec![("TSID", "@/exo18 double @/sway.steps")],
+            vec![EXO18, "start exo-sway @/sway.start"],
+            vec![("TSID", "@/exo18 double @/sway.start")],
         ),
         loops(
             "tick-single",
             "tick",
             "Control tick, exo18, single support with a swing foot",
             "tick exo-lift",
-            vec![("TSID", "@/exo18 single @/sway.steps")],
+            vec![EXO18, "start exo-lift @/lift.start"],
+            vec![("TSID", "@/exo18 single @/lift.start")],
         ),
         contact(
             "contact-planar7",
@@ -104,13 +109,14 @@ pub(super) fn all() -> Vec<Case> {
             "contact exo-sway @/sway.steps",
             "@/exo18.xml @/sway.steps",
         ),
-        loops("loop-walk", "loop", "Closed loop, planar humanoid, thesis's walk", "loop walk", vec![]),
+        loops("loop-walk", "loop", "Closed loop, planar humanoid, thesis's walk", "loop walk", vec![], vec![]),
         loops(
             "loop-exo18",
             "loop",
             "Closed loop, exo18 swaying, squatting, pushed",
             "loop exo-sway",
-            vec![("TSID + MuJoCo", "@/exo18")],
+            vec![EXO18, "start exo-sway @/sway.start"],
+            vec![("TSID + MuJoCo", "@/exo18 @/sway.start")],
         ),
     ]
 }
@@ -144,7 +150,7 @@ fn contact(
     ours: &'static str,
     peer: &'static str,
 ) -> Case {
-    let models = vec!["model planar_humanoid @/planar7", "model models/exo18.urdf @/exo18", prepare];
+    let models = vec!["model planar_humanoid @/planar7", EXO18, prepare];
     Case {
         key,
         group: "contact",
@@ -161,15 +167,8 @@ fn loops(
     group: &'static str,
     title: &'static str,
     ours: &'static str,
+    prepare: Vec<&'static str>,
     peers: Vec<(&'static str, &'static str)>,
 ) -> Case {
-    Case {
-        key,
-        group,
-        title,
-        judge: Judge::Nothing,
-        prepare: vec!["model models/exo18.urdf @/exo18", "steps exo-sway @/sway.steps"],
-        ours,
-        peers,
-    }
+    Case { key, group, title, judge: Judge::Nothing, prepare, ours, peers }
 }

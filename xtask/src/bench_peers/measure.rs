@@ -28,6 +28,8 @@ pub(super) struct Measured {
 #[derive(Clone, Debug)]
 pub(super) struct Row {
     pub(super) name: String,
+    /// What it said of its problems in the first round.
+    pub(super) says: String,
     pub(super) figures: Result<Figures, String>,
 }
 
@@ -46,6 +48,13 @@ pub(super) struct Figures {
     pub(super) failures: usize,
     /// Median and largest difference from ours; of ours the largest relative residual, twice.
     pub(super) difference: Option<(f64, f64)>,
+}
+
+impl Figures {
+    /// The time of wrong answers is no measure.
+    pub(super) fn is_a_measure(&self) -> bool {
+        2 * self.failures < self.count
+    }
 }
 
 /// Rows of doubles.
@@ -91,14 +100,20 @@ pub(super) fn case(case: &Case, peers: &[Peer], places: &Places, rounds: usize) 
         .iter()
         .map(|(_, command)| command.clone().map(|_| Vec::new()).map_err(|why| format!("not available: {why}")))
         .collect();
+    let mut says = vec![String::new(); contenders.len()];
     for round in 0..rounds {
         for (index, (name, command)) in contenders.iter().enumerate() {
             let (Ok(command), Ok(tables)) = (command, &mut answers[index]) else { continue };
             let out = places.data(&format!("answers-{}-{index}", case.key));
             let _ = std::fs::remove_file(&out);
             let call = [command.clone(), vec![out.display().to_string()]].concat();
-            match start(&call, places).and_then(|_| Table::read(&out)) {
-                Ok(table) => tables.push(table),
+            match start(&call, places).and_then(|said| Ok((said, Table::read(&out)?))) {
+                Ok((said, table)) => {
+                    if round == 0 {
+                        says[index] = said.trim().to_owned();
+                    }
+                    tables.push(table);
+                }
                 Err(problem) => {
                     say(&format!("{name}, round {}: {problem}", round + 1));
                     answers[index] = Err(problem);
@@ -111,9 +126,9 @@ pub(super) fn case(case: &Case, peers: &[Peer], places: &Places, rounds: usize) 
         Judge::Programs => Some(Table::read(Path::new(&split(case.ours)[1]))?),
         Judge::Values | Judge::Velocities | Judge::Nothing => None,
     };
-    let rows = contenders.into_iter().zip(answers).enumerate().map(|(index, ((name, _), tables))| {
+    let rows = contenders.into_iter().zip(answers).zip(says).enumerate().map(|(index, (((name, _), tables), says))| {
         let figures = tables.map(|tables| figures(case.judge, &tables, &reference[0], programs.as_ref(), index == 0));
-        Row { name, figures }
+        Row { name, says, figures }
     });
     Ok(Measured { case: case.clone(), inputs: inputs.trim().to_owned(), rows: rows.collect() })
 }
@@ -216,4 +231,71 @@ fn quantile(values: &mut [f64], share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let last = values.len().saturating_sub(1);
     values.get((share * last as f64).round() as usize).copied().unwrap_or(f64::NAN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_values_of_the_sample() {
+        let mut values: Vec<f64> = (0..101).rev().map(f64::from).collect();
+        for (share, expected) in [(0.0, 0.0), (0.5, 50.0), (0.99, 99.0), (0.994, 99.0), (0.996, 100.0), (1.0, 100.0)] {
+            assert_eq!(quantile(&mut values, share), expected, "{share}");
+        }
+        assert_eq!(quantile(&mut [3.0], 0.99), 3.0);
+        assert!(quantile(&mut [], 0.5).is_nan());
+    }
+
+    /// 1 <= x + y <= 3, x <= 4 and -1 <= y.
+    fn program() -> Vec<f64> {
+        let cost = [1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+        let rows = [1.0, 1.0, 1.0, 3.0];
+        let bounds = [f64::NEG_INFINITY, -1.0, 4.0, f64::INFINITY];
+        [&[2.0, 1.0], &cost[..], &rows, &bounds].concat()
+    }
+
+    #[test]
+    fn a_violation_is_relative_to_the_bound() {
+        let cases = [
+            ([1.0, 1.0], 0.0),
+            ([4.0, -1.0], 0.0),
+            ([0.0, 0.0], 0.5),        // row below 1
+            ([3.0, 2.0], 0.5),        // row above 3
+            ([4.5, -1.5], 0.25),      // x above 4 by a tenth, y below -1 by a quarter
+            ([-1e6, 1e6 + 2.0], 0.0), // no bound there
+        ];
+        for (x, expected) in cases {
+            assert_eq!(violation(&program(), &x), expected, "{x:?}");
+        }
+    }
+
+    fn table(rows: &[[f64; 5]]) -> Table {
+        Table { columns: 5, values: rows.concat() }
+    }
+
+    #[test]
+    fn a_problem_takes_the_median_of_its_rounds() {
+        let rounds =
+            [1.0, 9.0, 2.0].map(|time| table(&[[time, 1.0, 4.0, 0.0, 0.0], [10.0 * time, 1.0, 6.0, 0.0, 0.0]]));
+        let figures = figures(Judge::Nothing, &rounds, &rounds[0], None, true);
+        assert_eq!((figures.total, figures.max, figures.count), (22.0, 20.0, 2));
+        assert_eq!((figures.iterations, figures.failures, figures.difference), (5.0, 0, None));
+    }
+
+    #[test]
+    fn unsolved_infinite_and_wrong_answers_are_failures() {
+        let ours = table(&[[1.0, 1.0, 0.0, 1.0, 1.0]; 4]);
+        let theirs = table(&[
+            [1.0, 0.0, 0.0, 1.0, 1.0],
+            [1.0, 1.0, 0.0, f64::NAN, 1.0],
+            [1.0, 1.0, 0.0, 0.0, 0.0],
+            [1.0, 1.0, 0.0, 1.5, 1.25],
+        ]);
+        let program = program();
+        let programs = Table { columns: program.len(), values: program.repeat(4) };
+        let judged = figures(Judge::Programs, &[theirs], &ours, Some(&programs), false);
+        assert_eq!((judged.failures, judged.difference), (3, Some((0.5, 0.5))));
+        assert!(!judged.is_a_measure());
+    }
 }

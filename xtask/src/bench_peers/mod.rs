@@ -10,6 +10,7 @@ mod machine;
 mod measure;
 mod page;
 mod setup;
+mod targets;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -102,4 +103,38 @@ fn measure_all(options: &Options) -> Result<(), String> {
     write("docs/performance.md", page::document(&measured, &peers, &machine, options.rounds))?;
     write("docs/data/performance.csv", page::csv(&measured))?;
     write("docs/images/performance-peers.svg", chart::svg(&measured))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(line: &str) -> Result<Options, String> {
+        options(&line.split_whitespace().map(str::to_owned).collect::<Vec<String>>())
+    }
+
+    #[test]
+    fn options_are_read() {
+        let all = parse("").expect("no option is needed");
+        assert_eq!((all.rounds, all.only.len()), (9, 0));
+        let some = parse("--only qp,loop --quick").expect("both are valid");
+        assert_eq!((some.rounds, some.only), (3, vec!["qp".to_owned(), "loop".to_owned()]));
+    }
+
+    #[test]
+    fn other_options_are_refused_with_the_valid_ones() {
+        for (line, found, valid) in [
+            ("--fast", "found '--fast'", "--quick and --only dynamics,qp,tick,contact,loop"),
+            ("--only tick,walk", "found the group 'walk'", "dynamics, qp, tick, contact, loop"),
+            ("--only", "--only needs", "a list of groups"),
+        ] {
+            let problem = parse(line).expect_err(line);
+            assert!(problem.contains(found) && problem.contains(valid), "{problem}");
+        }
+    }
+
+    #[test]
+    fn every_case_belongs_to_a_group() {
+        assert!(cases::all().iter().all(|case| cases::GROUPS.contains(&case.group)));
+    }
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::time::SystemTime;
 
 use super::Places;
 use crate::say;
@@ -58,6 +59,10 @@ pub(super) fn set_up(places: &Places) -> Result<Vec<Peer>, String> {
     let python = places.peers.join("venv/bin/python").display().to_string();
     let osqp = places.root.join("bench/peers/qp_osqp.py").display().to_string();
     let tsid_libraries = [&["tsid", "eiquadprog"], &PINOCCHIO_LIBRARIES[..]].concat();
+    let tsid = |name, file: &str, libraries: &[&str]| {
+        let compiled = libtsid.clone().and_then(|()| compile(places, file, &[], &PINOCCHIO, libraries));
+        Peer { name, command: compiled.map(|path| vec![path]) }
+    };
     Ok(vec![
         harness("Pinocchio", "dynamics_pinocchio.cpp", &[], &PINOCCHIO, &PINOCCHIO_LIBRARIES),
         harness("DAQP", "qp_daqp.cpp", &["daqp"], &[NATIVE], &[]),
@@ -68,14 +73,9 @@ pub(super) fn set_up(places: &Places) -> Result<Vec<Peer>, String> {
         Peer { name: "Clarabel", command: Ok(vec![ours(places), "clarabel".to_owned()]) },
         Peer { name: "OSQP", command: Ok(vec![python, osqp]) },
         Peer { name: "qpOASES", command: Err("the package index has no package of it".to_owned()) },
-        Peer {
-            name: "TSID",
-            command: libtsid
-                .and_then(|()| compile(places, "tick_tsid.cpp", &[], &PINOCCHIO, &tsid_libraries))
-                .map(|path| vec![path]),
-        },
+        tsid("TSID", "tick_tsid.cpp", &tsid_libraries),
         harness("MuJoCo", "contact_mujoco.c", &[], &[], &["mujoco"]),
-        Peer { name: "TSID + MuJoCo", command: Err("the harness that links both is not written yet".to_owned()) },
+        tsid("TSID + MuJoCo", "loop_tsid_mujoco.cpp", &[&tsid_libraries[..], &["mujoco"]].concat()),
     ])
 }
 
@@ -166,7 +166,7 @@ fn prefix(places: &Places) -> Result<PathBuf, String> {
     Ok(site_packages(places)?.join("cmeel.prefix"))
 }
 
-/// Compiles a harness, and the C sources that it needs, if it is older than its source; returns its path.
+/// Compiles a harness, and the C sources that it needs, if it is older than its source or a header; returns its path.
 fn compile(
     places: &Places,
     file: &str,
@@ -177,8 +177,7 @@ fn compile(
     let source = places.root.join("bench/peers").join(file);
     let stem = source.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let binary = places.peers.join("bin").join(&stem);
-    let changed = |path: &Path| path.metadata().and_then(|data| data.modified()).ok();
-    if changed(&binary).is_some_and(|built| Some(built) > changed(&source)) {
+    if changed(&binary) > headers(places).iter().chain([&source]).filter_map(|path| changed(path)).max() {
         return Ok(binary.display().to_string());
     }
     say(&format!("compiling {file}"));
@@ -224,6 +223,17 @@ fn compile(
     command.arg("-lm");
     logged(places, &stem, &mut command)?;
     Ok(binary.display().to_string())
+}
+
+fn changed(path: &Path) -> Option<SystemTime> {
+    path.metadata().and_then(|data| data.modified()).ok()
+}
+
+/// What harnesses share.
+fn headers(places: &Places) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(places.root.join("bench/peers")) else { return Vec::new() };
+    let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+    paths.filter(|path| path.extension().is_some_and(|extension| extension == "hpp")).collect()
 }
 
 /// Compiles the C files of a folder into one object each.

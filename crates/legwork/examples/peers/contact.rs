@@ -4,38 +4,49 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
 
-use legwork::control::Fallback;
+use legwork::contact::GroundPlane;
+use legwork::control::{Estimate, Fallback};
 use legwork::scenario_file;
 use legwork::sim::Simulator;
+use legwork::start::start_pose;
 use legwork_rbd::Dynamics;
 
 use crate::files::{Table, answer};
-use crate::programs::{Loop, say};
+use crate::programs::{recorded, say, sense};
 
 /// Records a closed loop, a row a step: torques, q and v before it, q and v after it.
 pub(crate) fn record(scenario: &str, out: &Path) -> Result<(), Box<dyn Error>> {
-    let scenario_data = scenario_file::load(scenario, &[])?.scenario;
-    let mut run = Loop::new(scenario, &[])?;
-    let torques = run.model.actuated().count();
-    let mut table = Table::new(torques + 2 * (run.model.nq() + run.model.nv()));
-    let (mut contacts, mut switches) = (0, 0);
-    let mut before = run.estimate.touching.clone();
-    for _ in 0..(scenario_data.duration_s / scenario_data.controller.period_s).round() as usize {
-        run.tick();
-        switches += usize::from(run.estimate.touching != before);
-        contacts += run.estimate.touching.iter().filter(|&&touching| touching).count();
-        before.copy_from_slice(&run.estimate.touching);
-        let mut row = run.controller.latest().solution.tau.as_slice().to_vec();
-        row.extend(run.estimate.q.iter().chain(&run.estimate.v));
-        if !run.step() {
-            return Err(format!("{scenario} left the bounds of the possible").into());
-        }
-        row.extend(run.simulator.q().iter().chain(run.simulator.v()));
+    let recording = recorded(scenario, &[], usize::MAX)?;
+    let mut simulator = recording.simulator()?;
+    let (torques, model) = (recording.torques[0].len(), recording.model());
+    let mut table = Table::new(torques + 2 * (model.nq() + model.nv()));
+    for torques in &recording.torques {
+        let mut row = torques.clone();
+        row.extend(simulator.q().iter().chain(simulator.v()));
+        simulator.step(torques);
+        row.extend(simulator.q().iter().chain(simulator.v()));
         table.push(row);
     }
-    let steps = table.rows().count();
-    let mean = contacts as f64 / steps as f64;
-    say(&format!("{steps} steps, {switches} contact switches, {mean:.1} contact points on the ground in the mean"));
+    tell("steps", &recording.estimates.iter().collect::<Vec<&Estimate>>());
+    Ok(table.write(out)?)
+}
+
+/// Says what the ground did in what was measured.
+fn tell(what: &str, estimates: &[&Estimate]) {
+    let count = estimates.len();
+    let switches = estimates.windows(2).filter(|pair| pair[0].touching != pair[1].touching).count();
+    let contacts = estimates.iter().flat_map(|estimate| &estimate.touching).filter(|&&touching| touching).count();
+    let mean = contacts as f64 / count as f64;
+    say(&format!("{count} {what}, {switches} contact switches, {mean:.1} contact points on the ground in the mean"));
+}
+
+/// Writes the start pose as a row: q.
+pub(crate) fn start(scenario: &str, out: &Path) -> Result<(), Box<dyn Error>> {
+    let loaded = scenario_file::load(scenario, &[])?;
+    let model = loaded.model()?;
+    let q = start_pose(&loaded.scenario, &model, &GroundPlane::of(&loaded.scenario.ground, &model))?;
+    let mut table = Table::new(q.len());
+    table.push(q.iter().copied());
     Ok(table.write(out)?)
 }
 
@@ -64,42 +75,43 @@ pub(crate) fn time(scenario: &str, steps: &Path, out: &Path) -> Result<(), Box<d
 
 /// Times the control ticks of a closed loop, with the dynamics of the estimated state, which is what a robot's computer does.
 pub(crate) fn ticks(scenario: &str, out: &Path) -> Result<(), Box<dyn Error>> {
-    let data = scenario_file::load(scenario, &[])?.scenario;
-    let mut run = Loop::new(scenario, &[])?;
-    let mut dynamics = Dynamics::new(&run.model);
+    let recording = recorded(scenario, &[], usize::MAX)?;
+    let mut controller = recording.controller()?;
+    let mut dynamics = Dynamics::new(recording.model());
     let mut answers = Table::new(3);
-    for _ in 0..(data.duration_s / data.controller.period_s).round() as usize {
-        run.sense();
+    let mut measured = Vec::new();
+    for estimate in &recording.estimates {
         let begin = Instant::now();
-        dynamics.update(&run.model, &run.estimate.q, &run.estimate.v);
-        let tick = run.controller.tick(&run.estimate, &dynamics);
+        dynamics.update(recording.model(), &estimate.q, &estimate.v);
+        let tick = controller.tick(estimate, &dynamics);
         let seconds = begin.elapsed().as_secs_f64();
         let (solved, iterations) = (tick.fallback == Fallback::None, tick.iterations);
         // Only a foot in the air makes single support.
-        if scenario != "exo-lift" || run.controller.swing().is_some() {
+        if scenario != "exo-lift" || controller.swing().is_some() {
             answers.push(answer(seconds, solved, iterations, []));
-        }
-        if !run.step() {
-            return Err(format!("{scenario} left the bounds of the possible").into());
+            measured.push(estimate);
         }
     }
+    tell("ticks", &measured);
     Ok(answers.write(out)?)
 }
 
 /// Times control and physics, tick by tick. Answers: q and v after the tick, and the share of the control [µs].
 pub(crate) fn closed_loop(scenario: &str, out: &Path) -> Result<(), Box<dyn Error>> {
-    let data = scenario_file::load(scenario, &[])?.scenario;
-    let mut run = Loop::new(scenario, &[])?;
-    let mut answers = Table::new(3 + run.model.nq() + run.model.nv() + 1);
-    for _ in 0..(data.duration_s / data.controller.period_s).round() as usize {
+    let recording = recorded(scenario, &[], usize::MAX)?;
+    let (mut controller, mut simulator) = (recording.controller()?, recording.simulator()?);
+    let mut answers = Table::new(3 + simulator.q().len() + simulator.v().len() + 1);
+    let mut estimate = recording.estimates[0].clone();
+    for _ in &recording.estimates {
         let begin = Instant::now();
-        run.tick();
+        sense(&simulator, &mut estimate);
+        let tick = controller.tick(&estimate, simulator.dynamics());
         let control = begin.elapsed().as_secs_f64();
-        let sound = run.step();
+        let sound = (0..recording.steps_per_tick).all(|_| simulator.step(&tick.solution.tau));
         let seconds = begin.elapsed().as_secs_f64();
-        let state = run.simulator.q().iter().chain(run.simulator.v()).copied();
-        let iterations = run.controller.latest().iterations;
-        answers.push(answer(seconds, sound, iterations, state.chain([control * 1e6])));
+        let state = simulator.q().iter().chain(simulator.v()).copied();
+        answers.push(answer(seconds, sound, tick.iterations, state.chain([control * 1e6])));
     }
+    tell("ticks", &recording.estimates.iter().collect::<Vec<&Estimate>>());
     Ok(answers.write(out)?)
 }

@@ -23,6 +23,7 @@ const USAGE: &str = "usage: peers TASK FILES
   programs WHICH OUT            records programs, slack, direct or humanoid
   qp PROGRAMS OUT               times legwork_qp
   clarabel PROGRAMS OUT         times Clarabel
+  start SCENARIO OUT            the start pose
   steps SCENARIO OUT            records states and torques of a closed loop
   contact SCENARIO STEPS OUT    times Simulator::step on them
   tick SCENARIO OUT             times the control ticks of a closed loop
@@ -48,6 +49,7 @@ fn run(words: &[&str]) -> Result<(), Box<dyn Error>> {
         ["programs", form, out] => programs::record(form, Path::new(out)),
         ["qp", programs, out] => solvers::legwork(Path::new(programs), Path::new(out)),
         ["clarabel", programs, out] => solvers::clarabel(Path::new(programs), Path::new(out)),
+        ["start", scenario, out] => contact::start(scenario, Path::new(out)),
         ["steps", scenario, out] => contact::record(scenario, Path::new(out)),
         ["contact", scenario, steps, out] => contact::time(scenario, Path::new(steps), Path::new(out)),
         ["tick", scenario, out] => contact::ticks(scenario, Path::new(out)),

@@ -14,8 +14,10 @@ const CONTACT_RADIUS: f64 = 1e-3;
 /// Distance from which on MuJoCo's soft contacts push [m]: with it they carry the robot's weight where ours, which is rigid,
 /// has it stand. Chosen for the least difference of the velocities after a step.
 const MARGIN: f64 = 5e-4;
-/// Coefficient of friction of the ground in MJCF.
-const FRICTION: f64 = 0.85;
+/// Coefficient of friction of the ground in MJCF: that of the scenarios `push` and `exo-sway`.
+fn friction(model: &Model) -> f64 {
+    if model.is_planar() { 0.85 } else { 0.8 }
+}
 
 /// A built-in model or a file below the workspace.
 pub(crate) fn load(name: &str) -> Result<Model, Box<dyn Error>> {
@@ -128,8 +130,9 @@ fn mjcf(model: &Model) -> Result<String, std::fmt::Error> {
     writeln!(text, "  <worldbody>")?;
     writeln!(
         text,
-        "    <geom name=\"ground\" type=\"plane\" size=\"0 0 1\" pos=\"0 0 {:?}\" contype=\"1\" conaffinity=\"0\" friction=\"{FRICTION} 0 0\"/>",
-        -CONTACT_RADIUS
+        "    <geom name=\"ground\" type=\"plane\" size=\"0 0 1\" pos=\"0 0 {:?}\" contype=\"1\" conaffinity=\"0\" friction=\"{:?} 0 0\"/>",
+        -CONTACT_RADIUS,
+        friction(model)
     )?;
     let root = model.root();
     mjcf_body(model, root, &mut text)?;
@@ -178,9 +181,10 @@ fn mjcf_body(model: &Model, index: usize, text: &mut String) -> std::fmt::Result
     for contact in model.contacts.iter().filter(|contact| contact.body == index) {
         writeln!(
             text,
-            "  <geom name=\"{}\" type=\"sphere\" size=\"{CONTACT_RADIUS}\" pos=\"{}\" mass=\"0\" contype=\"0\" conaffinity=\"1\" condim=\"3\" margin=\"{MARGIN}\" friction=\"{FRICTION} 0 0\"/>",
+            "  <geom name=\"{}\" type=\"sphere\" size=\"{CONTACT_RADIUS}\" pos=\"{}\" mass=\"0\" contype=\"0\" conaffinity=\"1\" condim=\"3\" margin=\"{MARGIN}\" friction=\"{:?} 0 0\"/>",
             contact.name,
-            numbers(&contact.position)
+            numbers(&contact.position),
+            friction(model)
         )?;
     }
     for child in (0..model.bodies.len()).filter(|&child| model.bodies[child].parent == Some(index)) {

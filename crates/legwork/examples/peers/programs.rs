@@ -4,12 +4,11 @@
 use std::error::Error;
 use std::path::Path;
 
-use legwork::control::{Controller, Estimate};
-use legwork::scenario_file;
+use legwork::control::Estimate;
+use legwork::recording::Recording;
 use legwork::sim::Simulator;
-use legwork::start::start_pose;
+use legwork::{episode, scenario_file};
 use legwork_qp::Problem;
-use legwork_rbd::Model;
 
 use crate::files::Table;
 
@@ -35,49 +34,29 @@ const HUMANOID: [Part; 2] = [
     ),
 ];
 
-/// Control and physics, tick by tick.
-pub(crate) struct Loop {
-    pub(crate) model: Model,
-    pub(crate) controller: Controller,
-    pub(crate) simulator: Simulator,
-    pub(crate) estimate: Estimate,
-    steps: u64,
+/// What a scenario's run gives to its controller and its simulator, in so many ticks at most.
+pub(crate) fn recorded(scenario: &str, sets: &[String], most: usize) -> Result<Recording, Box<dyn Error>> {
+    let loaded = scenario_file::load(scenario, sets)?;
+    let samples = loaded.samples()?;
+    let mut ticks = 0;
+    let enough = |_| {
+        ticks += 1;
+        ticks >= most
+    };
+    let run = episode::run(&loaded.scenario, &loaded.model()?, &samples, enough)?;
+    match run.reason {
+        Some(reason) => Err(format!("{scenario} {}: {reason}", sets.join(" ")).into()),
+        None => Ok(Recording::of(&run, &samples)),
+    }
 }
 
-impl Loop {
-    pub(crate) fn new(scenario: &str, sets: &[String]) -> Result<Self, Box<dyn Error>> {
-        let loaded = scenario_file::load(scenario, sets)?;
-        let (scenario, model) = (&loaded.scenario, loaded.model()?);
-        let simulator = {
-            let ground = legwork::contact::GroundPlane::of(&scenario.ground, &model);
-            let q = start_pose(scenario, &model, &ground)?;
-            Simulator::new(scenario, &model, q.as_slice())?
-        };
-        let touching = (0..model.nc()).map(|contact| simulator.touching(contact)).collect();
-        let estimate = Estimate { time: 0.0, q: simulator.q().to_vec(), v: simulator.v().to_vec(), touching };
-        let controller = Controller::new(scenario, &model, &loaded.samples()?, &estimate)?;
-        let steps = (scenario.controller.period_s / scenario.simulation.period_s).round() as u64;
-        Ok(Self { model, controller, simulator, estimate, steps })
-    }
-
-    /// The ideal sensors, then the controller.
-    pub(crate) fn tick(&mut self) {
-        self.sense();
-        self.controller.tick(&self.estimate, self.simulator.dynamics());
-    }
-
-    pub(crate) fn sense(&mut self) {
-        self.estimate.time = self.simulator.time();
-        self.estimate.q.copy_from_slice(self.simulator.q());
-        self.estimate.v.copy_from_slice(self.simulator.v());
-        for contact in 0..self.model.nc() {
-            self.estimate.touching[contact] = self.simulator.touching(contact);
-        }
-    }
-
-    /// The physics up to the next tick; false where it left the bounds of the possible.
-    pub(crate) fn step(&mut self) -> bool {
-        (0..self.steps).all(|_| self.simulator.step(&self.controller.latest().solution.tau))
+/// The ideal sensors.
+pub(crate) fn sense(simulator: &Simulator, estimate: &mut Estimate) {
+    estimate.time = simulator.time();
+    estimate.q.copy_from_slice(simulator.q());
+    estimate.v.copy_from_slice(simulator.v());
+    for (contact, touching) in estimate.touching.iter_mut().enumerate() {
+        *touching = simulator.touching(contact);
     }
 }
 
@@ -93,18 +72,22 @@ pub(crate) fn record(which: &str, out: &Path) -> Result<(), Box<dyn Error>> {
     let (mut switches, mut saturated) = (0, 0);
     for (scenario, sets, first, ticks) in parts {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-        let mut run = Loop::new(scenario, &sets)?;
-        let mut before = (run.estimate.touching.clone(), None);
+        // The loop goes on where a run would end as a fall: programs of a falling robot are the hardest.
+        let recording = recorded(scenario, &sets, 1)?;
+        let (mut controller, mut simulator) = (recording.controller()?, recording.simulator()?);
+        let mut estimate = recording.estimates[0].clone();
+        let mut before = (estimate.touching.clone(), None);
         for tick in 0..first + ticks {
-            run.tick();
-            let now = (run.estimate.touching.clone(), run.controller.swing().map(|(foot, _)| foot));
+            sense(&simulator, &mut estimate);
+            controller.tick(&estimate, simulator.dynamics());
+            let now = (estimate.touching.clone(), controller.swing().map(|(foot, _)| foot));
             if tick >= first {
-                problems.push(run.controller.problem().clone());
+                problems.push(controller.problem().clone());
                 switches += usize::from(now != before);
-                saturated += usize::from(run.controller.latest().active.iter().any(|&side| side != 0));
+                saturated += usize::from(controller.latest().active.iter().any(|&side| side != 0));
             }
             before = now;
-            if !run.step() {
+            if !(0..recording.steps_per_tick).all(|_| simulator.step(&controller.latest().solution.tau)) {
                 return Err(format!("{scenario} left the bounds of the possible").into());
             }
         }
