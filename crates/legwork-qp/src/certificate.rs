@@ -60,7 +60,7 @@ pub(crate) fn verify(
     for (member, weight) in conflict.iter_mut() {
         *weight *= program.multiplier_factor(member.c);
         // With a row stands the bound of the variable that it defines.
-        let with_bound = program.defines(member.c).map_or(1.0, |replaced| replaced.entry.abs().max(1.0));
+        let with_bound = program.replaced.of(member.c).map_or(1.0, |replaced| replaced.entry.abs().max(1.0));
         largest = largest.max(*weight * with_bound);
     }
     for (_, weight) in conflict.iter_mut() {

@@ -19,29 +19,36 @@ impl Scaled {
     pub(crate) fn load_hessian(&mut self, problem: &Problem, squares: Squares) -> Result<(), Defect> {
         let n = self.n;
         let h = problem.hessian();
-        let mut known = self.squared.is_empty() && squares == Squares::None;
         self.choose_squares(problem, squares);
-        for (i, (row, known_span)) in h.chunks_exact(n.max(1)).zip(&mut self.hessian_span).enumerate() {
-            let span = Span::expected(row, *known_span).union(Span::one(i));
-            known &= span == *known_span;
-            *known_span = span;
+        if !self.squared.iter().all(|(_, weight)| weight.is_normal()) {
+            return Err(Defect::Overflow);
         }
-        if !known {
+        if !(self.blocks_known && self.squared.is_empty()) {
             self.find_blocks();
+            self.blocks_known = self.squared.is_empty();
         }
         let mut regular = true;
         let rows = h.chunks_exact(n.max(1)).zip(self.hessian.chunks_exact_mut(self.width.max(1)));
+        let mut lanes = 0..0;
         for (i, ((row, out), block)) in rows.zip(&self.block).enumerate() {
-            let column = h[block.first * n + i..].iter().step_by(n);
-            for (a, b) in row[block.first..i].iter().zip(column) {
+            for j in block.first..i {
+                let (a, b) = (row[j], h[j * n + i]);
                 regular &= (a - b).abs() <= 2.0 * f64::EPSILON * a.abs();
             }
             regular &= row[i].is_finite();
-            let lanes = block.lanes();
+            if i.is_multiple_of(WIDTH) {
+                let last = self.block[n.min(i + WIDTH) - 1];
+                lanes = block.union(last).lanes();
+            }
             let source = &row[WIDTH * lanes.start..n.min(WIDTH * lanes.end)];
-            lanes::load_product(self.unit.as_flattened()[i], &self.unit[lanes.clone()], source, &mut out[lanes]);
+            lanes::load_product(
+                self.unit.as_flattened()[i],
+                &self.unit[lanes.clone()],
+                source,
+                &mut out[lanes.clone()],
+            );
         }
-        for replaced in &self.replaced {
+        for replaced in &self.replaced.all {
             self.hessian[replaced.variable * self.width..].as_flattened_mut()[replaced.variable] = 1.0;
         }
         if regular { Ok(()) } else { self.symmetrise(problem) }
@@ -52,6 +59,11 @@ impl Scaled {
         check(problem)?;
         let matrix = self.hessian.as_flattened_mut();
         let stride = WIDTH * self.width;
+        let coupled = |j: usize| self.block[j].entries().any(|i| i != j && matrix[i * stride + j] != 0.0);
+        // A slack in one triangle only of the Hessian is none.
+        if self.replaced.slacks().iter().any(|slack| coupled(slack.variable)) {
+            return Err(Defect::Asymmetric { row: 0, column: 0 });
+        }
         for i in 0..self.n {
             for j in self.block[i].first..i {
                 let mean = 0.5 * matrix[i * stride + j] + 0.5 * matrix[j * stride + i];
@@ -64,15 +76,19 @@ impl Scaled {
     }
 
     fn choose_squares(&mut self, problem: &Problem, squares: Squares) {
-        let has_cost = |j: usize| problem.hessian()[j * self.n + j] != 0.0;
         self.squared.clear();
+        for slack in self.replaced.slacks() {
+            let factor = self.row_factor[slack.row];
+            self.squared.push((slack.row, slack.weight() / (factor * factor)));
+        }
         if squares == Squares::None {
             return;
         }
+        let has_cost = |j: usize| problem.hessian()[j * (self.n + 1)] != 0.0;
         for c in (0..self.constraints()).filter(|&c| self.kind[c] == Kind::Equality) {
             let is_entry = |j: usize| c >= self.m || problem.row(c)[j] != 0.0;
             if squares == Squares::All || self.span[c].entries().any(|j| is_entry(j) && !has_cost(j)) {
-                self.squared.push(c);
+                self.squared.push((c, 1.0));
             }
         }
     }
@@ -82,7 +98,7 @@ impl Scaled {
         for j in 0..self.n {
             self.block[j] = Span::one(j);
         }
-        let rows = self.squared.iter().map(|&c| self.span[c]);
+        let rows = self.squared.iter().map(|&(c, _)| self.span[c]);
         for span in self.hessian_span.iter().copied().chain(rows) {
             let end = &mut self.block[span.first].end;
             *end = span.end.max(*end);

@@ -64,6 +64,11 @@ impl Span {
         Self { first: self.first.min(other.first), end: self.end.max(other.end) }
     }
 
+    /// The same entries of a vector with so many more before them.
+    pub(crate) fn shifted(self, by: usize) -> Self {
+        Self { first: self.first + by, end: self.end + by }
+    }
+
     /// The lanes that hold it.
     pub(crate) fn lanes(self) -> Range<usize> {
         if self.first >= self.end { 0..0 } else { self.first / WIDTH..self.end.div_ceil(WIDTH) }
@@ -141,12 +146,32 @@ pub(crate) fn axpys(alpha: Lanes, x: [&[Lanes]; WIDTH], y: &mut [Lanes]) {
     }
 }
 
-/// `y = alpha (d * x)`, entry by entry, of a vector `x` that has no padding: where it ends, `y` keeps its zeros.
-#[inline]
-pub(crate) fn load_product(alpha: f64, d: &[Lanes], x: &[f64], y: &mut [Lanes]) {
-    for ((y, x), d) in y.as_flattened_mut().iter_mut().zip(x).zip(d.as_flattened()) {
-        *y = x * d * alpha;
+/// `y = alpha (d * x)`, entry by entry, of a vector `x` that has no padding: where it ends, `y` keeps its zeros. Returns `yᵀy`.
+// As a function of its own, the compiler knows that `y` is apart from the others.
+#[inline(never)]
+pub(crate) fn load_product(alpha: f64, d: &[Lanes], x: &[f64], y: &mut [Lanes]) -> f64 {
+    let (fours, rest) = x.as_chunks::<WIDTH>();
+    let mut last = 0.0;
+    if !rest.is_empty() {
+        for ((y, x), d) in y[fours.len()].iter_mut().zip(rest).zip(&d[fours.len()]) {
+            *y = x * d * alpha;
+            last += *y * *y;
+        }
     }
+    let mut sums = [0.0; WIDTH];
+    for ((y, x), d) in y.iter_mut().zip(fours).zip(d) {
+        for k in 0..WIDTH {
+            y[k] = x[k] * d[k] * alpha;
+            sums[k] += y[k] * y[k];
+        }
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + last
+}
+
+/// Of a matrix by rows those of lane `i`.
+#[inline]
+pub(crate) fn four_rows<'a>(rows: &'a [Lanes], width: usize, i: usize, lanes: &Range<usize>) -> [&'a [Lanes]; WIDTH] {
+    std::array::from_fn(|k| &rows[(i * WIDTH + k) * width..][lanes.clone()])
 }
 
 /// `x *= alpha`.

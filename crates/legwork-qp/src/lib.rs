@@ -55,13 +55,17 @@
 //!
 //! In this order:
 //! 1. Scaling: variables by `√H_jj` (Jacobi), rows to unit norm, by powers of two, which round nothing.
-//! 2. Equalities: fixed variables, then rows, the clearly independent ones first. Those that follow from others are left
+//! 2. Slacks: a variable without bounds, with a cost `½ h s² + g_s s` of its own, that only one row contains, an equality
+//!    `aᵀx + e s = b`, is replaced by the cost `½ (h/e²) (b − aᵀx)² + (g_s/e) (b − aᵀx)`, and the row with it. The answer is that
+//!    of the program as given, with the row's multiplier and in the working set; where the weights differ by so much that
+//!    the new Hessian is nearly singular, the slacks stay.
+//! 3. Equalities: fixed variables, then rows, the clearly independent ones first. Those that follow from others are left
 //!    out, checked against the solution, and have the multiplier zero.
-//! 3. A guess, as far as it is independent: the working set of the previous solve, of the last optimum of the same contact
+//! 4. A guess, as far as it is independent: the working set of the previous solve, of the last optimum of the same contact
 //!    mode ([`Solver::select_mode`]), or one of one's own ([`Solver::start_from`]). Negative multipliers are dropped. Optimal
 //!    working sets of control ticks change little, so this is most often all.
-//! 4. Violated constraints, the largest violation of the scaled program first.
-//! 5. One step of iterative refinement of point and multipliers with the program's own numbers, after which nothing may be
+//! 5. Violated constraints, the largest violation of the scaled program first.
+//! 6. One step of iterative refinement of point and multipliers with the program's own numbers, after which nothing may be
 //!    violated and no multiplier negative. With a guess it comes first: most often it then is the last step too.
 //!
 //! # What is not there

@@ -1,60 +1,142 @@
-//! Variables without a cost that only one equality row contains, as the torques of a program in which they are free.
+//! Variables that only one equality row contains, which are gone once that row has told what they are.
 //!
-//! Such a row `aᵀx + e t = b` defines `t`, and its bounds are those of a row of the others: `b − e t_upper <= aᵀx <= b − e t_lower`
-//! for `e > 0`. Nothing but `t` is lost, and the Hessian of the others may well be definite, and sparse. With the multiplier
-//! `u` of the new row, `λ = u + g_t / e` is that of the old one and `μ = −e u` that of the bounds of `t`, by the
-//! stationarity of `t`, `g_t = e λ + μ`.
+//! **Without a cost**, as the torques of a program in which they are free. Such a row `aᵀx + e t = b` defines `t`, and its
+//! bounds are those of a row of the others: `b − e t_upper <= aᵀx <= b − e t_lower` for `e > 0`. Nothing but `t` is lost, and
+//! the Hessian of the others may well be definite, and sparse. With the multiplier `u` of the new row, `λ = u + g_t / e` is
+//! that of the old one and `μ = −e u` that of the bounds of `t`, by the stationarity of `t`, `g_t = e λ + μ`.
+//!
+//! **Without bounds**, as the slack `s` of a task, with a cost `½ h s² + g_s s` of its own. The row `aᵀx + e s = b` makes it a
+//! cost of the others, `½ w (b − aᵀx)²` with the weight `w = h / e²` and `−(g_s / e) aᵀx`, and is no constraint any more. With
+//! `u = w (b − aᵀx)`, `s = u e / h`, and `λ = u + g_s / e` is the row's multiplier, by the stationarity of `s`,
+//! `h s + g_s = e λ`.
 
 use crate::lanes::Span;
+use crate::linear::dot;
 use crate::working_set::Member;
 use crate::{Problem, Side};
 
-/// A variable with the row that defines it, and its entry there.
+/// A variable with the row that defines it, its entry there, and its cost `h`.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Replaced {
     pub(crate) variable: usize,
     pub(crate) row: usize,
     pub(crate) entry: f64,
+    pub(crate) cost: f64,
 }
 
-/// All variables without a cost, if each can be replaced; or none.
-pub(crate) fn find(problem: &Problem, found: &mut Vec<Replaced>) {
-    found.clear();
-    for j in 0..problem.n() {
-        if problem.hessian()[j * problem.n() + j] == 0.0 {
-            match defining_row(problem, j).filter(|new| found.iter().all(|old| old.row != new.row)) {
-                Some(new) => found.push(new),
-                None => {
-                    found.clear();
-                    return;
-                }
+/// The variables of a problem that rows define, those without a cost first.
+#[derive(Clone, Debug)]
+pub(crate) struct Replacements {
+    pub(crate) all: Vec<Replaced>,
+    /// Of each row the position of its variable in `all`, or one beyond all.
+    of_row: Vec<usize>,
+    /// Of each variable the sum over its rows of [`ONCE`] and the row's index.
+    seen: Vec<u64>,
+}
+
+/// More than a sum of indices of rows.
+const ONCE: u64 = 1 << 40;
+
+impl Replacements {
+    pub(crate) fn new(n: usize, m: usize) -> Self {
+        Self { all: Vec::with_capacity(n), of_row: vec![usize::MAX; m], seen: vec![0; n] }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.all.clear();
+        self.of_row.fill(usize::MAX);
+    }
+
+    /// The variable that constraint `c` defines.
+    #[inline]
+    pub(crate) fn of(&self, c: usize) -> Option<Replaced> {
+        self.all.get(*self.of_row.get(c)?).copied()
+    }
+
+    /// Those with a cost.
+    pub(crate) fn slacks(&self) -> &[Replaced] {
+        let first = self.all.partition_point(|replaced| replaced.cost == 0.0);
+        &self.all[first..]
+    }
+
+    /// All variables without a cost, if each can be replaced, or none of them; and all `slacks`, if they are wished.
+    /// `rows` and `hessian` are the spans of rows of `A` and `H`.
+    pub(crate) fn find(&mut self, problem: &Problem, rows: &[Span], hessian: &[Span], slacks: bool) {
+        self.clear();
+        let n = problem.n();
+        let cost = |j: usize| problem.hessian()[j * (n + 1)];
+        let bounds = |j: usize| (problem.lower()[j], problem.upper()[j]);
+        let is_slack = |j: usize| cost(j) > 0.0 && bounds(j) == (f64::NEG_INFINITY, f64::INFINITY);
+        let is_free = |j: usize| cost(j) == 0.0 && bounds(j).0 < bounds(j).1;
+        if !(0..n).any(|j| hessian[j] == Span::one(j) && (is_slack(j) && slacks || is_free(j))) {
+            return;
+        }
+        self.count(problem, rows);
+        for j in (0..n).filter(|&j| cost(j) == 0.0) {
+            let found =
+                if hessian[j] == Span::one(j) && is_free(j) { self.defining_row(problem, rows, j) } else { None };
+            if !found.is_some_and(|found| self.push(found)) {
+                self.clear();
+                break;
+            }
+        }
+        for j in (0..n).filter(|&j| slacks && hessian[j] == Span::one(j) && is_slack(j)) {
+            if let Some(found) = self.defining_row(problem, rows, j).filter(|found| found.weight().is_normal()) {
+                self.push(found);
             }
         }
     }
-}
 
-fn defining_row(problem: &Problem, j: usize) -> Option<Replaced> {
-    let n = problem.n();
-    let mut rows = (0..problem.m()).filter(|&i| problem.row(i)[j] != 0.0);
-    let row = rows.next()?;
-    let entry = problem.row(row)[j];
-    let alone = rows.next().is_none() && Span::of(&problem.hessian()[j * n..(j + 1) * n]) == Span::EMPTY;
-    let is_equality = problem.row_lower()[row] == problem.row_upper()[row];
-    let has_others = without(problem.row(row), j) != Span::EMPTY;
-    let is_free = problem.lower()[j] < problem.upper()[j];
-    (alone && is_equality && has_others && is_free && entry.is_finite()).then_some(Replaced { variable: j, row, entry })
-}
-
-/// Where a row has other entries than that of variable `j`.
-pub(crate) fn without(row: &[f64], j: usize) -> Span {
-    let (before, after) = (Span::of(&row[..j]), Span::of(&row[j + 1..]));
-    if after == Span::EMPTY {
-        return before;
+    /// In how many rows each variable is, and the sum of their indices.
+    fn count(&mut self, problem: &Problem, rows: &[Span]) {
+        self.seen.fill(0);
+        for (i, span) in rows.iter().enumerate() {
+            let entries = span.entries();
+            let one = ONCE | i as u64;
+            for (seen, a) in self.seen[entries.clone()].iter_mut().zip(&problem.row(i)[entries]) {
+                *seen = seen.wrapping_add(if *a != 0.0 { one } else { 0 });
+            }
+        }
     }
-    before.union(Span { first: after.first + j + 1, end: after.end + j + 1 })
+
+    /// False if the row defines another variable already.
+    fn push(&mut self, new: Replaced) -> bool {
+        let is_first = self.of_row[new.row] == usize::MAX;
+        if is_first {
+            self.of_row[new.row] = self.all.len();
+            self.all.push(new);
+        }
+        is_first
+    }
+
+    /// The only row with variable `j`, if it is an equality with other variables too.
+    fn defining_row(&self, problem: &Problem, rows: &[Span], j: usize) -> Option<Replaced> {
+        let row = self.seen[j].checked_sub(ONCE).filter(|row| *row < ONCE)? as usize;
+        let entry = problem.row(row)[j];
+        let is_equality = problem.row_lower()[row] == problem.row_upper()[row];
+        let has_others = rows[row] != Span::one(j);
+        let cost = problem.hessian()[j * (problem.n() + 1)];
+        (is_equality && has_others && entry.is_finite()).then_some(Replaced { variable: j, row, entry, cost })
+    }
+}
+
+/// Where a row with the given span has other entries than that of variable `j`; `known` is what to expect.
+pub(crate) fn without(row: &[f64], span: Span, j: usize, known: Span) -> Span {
+    if j + 1 == span.end {
+        Span::expected(&row[..j], known)
+    } else if j == span.first {
+        Span::of(&row[j + 1..]).shifted(j + 1)
+    } else {
+        span
+    }
 }
 
 impl Replaced {
+    /// `w`: what the square of its row counts.
+    pub(crate) fn weight(&self) -> f64 {
+        self.cost / (self.entry * self.entry)
+    }
+
     /// The bounds of the new row.
     pub(crate) fn row_bounds(&self, problem: &Problem) -> (f64, f64) {
         let b = problem.row_lower()[self.row];
@@ -72,7 +154,13 @@ impl Replaced {
         if self.turned(member.sign) > 0.0 { Side::Lower } else { Side::Upper }
     }
 
-    /// Value and multipliers, once all others and the new row's multiplier are known.
+    /// Value and multiplier of a slack, once `u` stands for the latter.
+    pub(crate) fn restore_slack(&self, problem: &Problem, x: &mut [f64], rows: &mut [f64]) {
+        x[self.variable] = rows[self.row] * self.entry / self.cost;
+        rows[self.row] += problem.gradient()[self.variable] / self.entry;
+    }
+
+    /// Value and multipliers of one without a cost, once all others and the new row's multiplier are known.
     pub(crate) fn restore(
         &self,
         problem: &Problem,
@@ -81,9 +169,9 @@ impl Replaced {
         bounds: &mut [f64],
         optimal: bool,
     ) {
-        let Self { variable: j, row, entry } = *self;
-        let of_others = problem.row(row).iter().zip(&*x).enumerate().filter(|(k, _)| *k != j);
-        let rest: f64 = of_others.map(|(_, (a, x))| a * x).sum();
+        let Self { variable: j, row, entry, .. } = *self;
+        x[j] = 0.0;
+        let rest = dot(problem.row(row), x);
         let value = (problem.row_lower()[row] - rest) / entry;
         bounds[j] = -entry * rows[row];
         rows[row] += problem.gradient()[j] / entry;

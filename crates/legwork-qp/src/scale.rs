@@ -3,12 +3,12 @@
 //! `D` makes the Hessian's diagonal one (Jacobi), so that the norms of rows and steps compare what is comparable. All
 //! factors are powers of two: scaling rounds nothing, and a residual of the scaled program is one of the original.
 
-use crate::input::{are_bounds, check, unit_of_cost, variable_unit};
+use std::ops::Range;
+
+use crate::Constraint;
 use crate::lanes::{self, Lanes, Span, WIDTH, zeros};
-use crate::linear::{max_abs, power_of_two, power_of_two_root};
-use crate::replaced::{self, Replaced};
+use crate::replaced::Replacements;
 use crate::working_set::Member;
-use crate::{Constraint, Defect, Problem};
 
 /// What a row or bound asks for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -24,7 +24,7 @@ pub(crate) enum Kind {
 impl Kind {
     /// Of a constraint with nonzero entries.
     #[inline]
-    fn of(lower: f64, upper: f64) -> Self {
+    pub(crate) fn of(lower: f64, upper: f64) -> Self {
         if lower >= upper {
             Self::Equality
         } else if lower == f64::NEG_INFINITY && upper == f64::INFINITY {
@@ -41,23 +41,27 @@ pub(crate) struct Scaled {
     pub(crate) n: usize,
     pub(crate) m: usize,
     pub(crate) width: usize,
-    /// Scaled Hessian, symmetrised, by rows; valid within blocks.
+    /// Scaled Hessian, symmetrised, by rows. Four rows are valid, with zeros, in the lanes of all their blocks.
     pub(crate) hessian: Vec<Lanes>,
     /// Of a block-diagonal Hessian, with the squares, the block that each variable is in.
     pub(crate) block: Vec<Span>,
+    /// The blocks are those of the Hessian without squares.
+    pub(crate) blocks_known: bool,
     /// Where the rows of the Hessian are not zero.
     pub(crate) hessian_span: Vec<Span>,
     pub(crate) gradient: Vec<Lanes>,
-    rows: Vec<Lanes>,
+    pub(crate) rows: Vec<Lanes>,
+    /// Where the problem's rows are not zero.
+    pub(crate) row_span: Vec<Span>,
     /// Where a row is not zero; of a bound, its variable.
     pub(crate) span: Vec<Span>,
     pub(crate) lower: Vec<f64>,
     pub(crate) upper: Vec<f64>,
     pub(crate) kind: Vec<Kind>,
-    /// Variables that equality rows define: zero here, with a cost of one, while the rows hold their bounds.
-    pub(crate) replaced: Vec<Replaced>,
-    /// Equalities whose squares are added to the Hessian.
-    pub(crate) squared: Vec<usize>,
+    /// Variables that equality rows define: zero here, with a cost of one, while the rows hold their bounds or costs.
+    pub(crate) replaced: Replacements,
+    /// Equalities whose squares are added to the Hessian, with weights: rows of slacks in their order, then others.
+    pub(crate) squared: Vec<(usize, f64)>,
     /// `D⁻¹`: `x_j = unit_j z_j`.
     pub(crate) unit: Vec<Lanes>,
     /// What each row was multiplied by after the scaling of the variables.
@@ -71,136 +75,30 @@ impl Scaled {
             n,
             m,
             width,
-            hessian: zeros(WIDTH * width * n),
+            hessian: vec![[0.0; WIDTH]; width * width * WIDTH],
             block: vec![Span::EMPTY; n],
+            blocks_known: false,
             hessian_span: vec![Span::EMPTY; n],
             gradient: zeros(n),
-            rows: zeros(WIDTH * width * m),
+            rows: vec![[0.0; WIDTH]; width * m],
+            row_span: vec![Span::EMPTY; m],
             span: (0..m).map(|_| Span::EMPTY).chain((0..n).map(Span::one)).collect(),
             lower: vec![f64::NEG_INFINITY; m + n],
             upper: vec![f64::INFINITY; m + n],
             kind: vec![Kind::Free; m + n],
-            replaced: Vec::with_capacity(n),
+            replaced: Replacements::new(n, m),
             squared: Vec::with_capacity(m + n),
             unit: zeros(n),
             row_factor: vec![1.0; m],
         }
     }
 
-    /// Fills itself from `problem`, but for the Hessian, or tells what is wrong with it. The Hessian may still be found
-    /// wrong by [`Scaled::load_hessian`].
-    pub(crate) fn load(&mut self, problem: &Problem) -> Result<(), Defect> {
-        let (n, m) = (self.n, self.m);
-        self.replaced.clear();
-        if (problem.n(), problem.m()) != (n, m) {
-            return Err(Defect::WrongSize { expected: (n, m), found: (problem.n(), problem.m()) });
-        }
-        replaced::find(problem, &mut self.replaced);
-        let mut sound = true;
-        let (hessian, gradient) = (problem.hessian(), problem.gradient());
-        for j in 0..n {
-            let unit = unit_of_cost(hessian[j * n + j]).unwrap_or_else(|| self.unit_without_cost(problem, j));
-            self.unit.as_flattened_mut()[j] = unit;
-        }
-        let of_bounds = self.lower[m..].iter_mut().zip(&mut self.upper[m..]).zip(&mut self.kind[m..]);
-        let of_variables = self.unit.as_flattened().iter().zip(self.gradient.as_flattened_mut());
-        let given = gradient.iter().zip(problem.lower().iter().zip(problem.upper()));
-        for ((((low, up), kind), (unit, slope)), (g, (lower, upper))) in of_bounds.zip(of_variables).zip(given) {
-            *slope = g * unit;
-            sound &= slope.is_finite() && are_bounds(*lower, *upper);
-            let inverse = 1.0 / unit;
-            (*low, *up) = (lower * inverse, upper * inverse);
-            *kind = Kind::of(*low, *up);
-        }
-        for i in 0..m {
-            sound &= self.load_row(problem, i);
-        }
-        self.replace(problem);
-        if sound {
-            return Ok(());
-        }
-        check(problem)?;
-        let row = |i: usize| &self.rows[i * self.width..][self.span[i].lanes()];
-        let finite = are_finite(&self.gradient) && (0..m).all(|i| are_finite(row(i)));
-        if finite { Ok(()) } else { Err(Defect::Overflow) }
-    }
-
-    fn unit_without_cost(&self, problem: &Problem, j: usize) -> f64 {
-        if self.replaced.is_empty() { variable_unit(problem, j) } else { 1.0 }
-    }
-
-    /// Leaves nothing of the variables that rows define but their share in the gradient.
-    fn replace(&mut self, problem: &Problem) {
-        for k in 0..self.replaced.len() {
-            let Replaced { variable, row, entry } = self.replaced[k];
-            self.kind[self.m + variable] = Kind::Free;
-            let mut gradient = std::mem::take(&mut self.gradient);
-            gradient.as_flattened_mut()[variable] = 0.0;
-            self.add_to(row, -problem.gradient()[variable] / (entry * self.row_factor[row]), &mut gradient);
-            self.gradient = gradient;
-        }
-    }
-
-    /// The variable that row `c` defines.
-    pub(crate) fn defines(&self, c: usize) -> Option<Replaced> {
-        self.replaced.iter().copied().find(|replaced| replaced.row == c)
-    }
-
     /// A bound of a variable that a row defines is a side of that row.
     pub(crate) fn translated(&self, member: Member) -> Member {
-        match self.replaced.iter().find(|replaced| self.m + replaced.variable == member.c) {
+        match self.replaced.all.iter().find(|replaced| self.m + replaced.variable == member.c) {
             Some(replaced) => Member { c: replaced.row, sign: replaced.turned(member.sign) },
             None => member,
         }
-    }
-
-    /// False if something may be wrong.
-    fn load_row(&mut self, problem: &Problem, i: usize) -> bool {
-        let defined = self.defines(i);
-        let span = match defined {
-            Some(replaced) => replaced::without(problem.row(i), replaced.variable),
-            None => Span::expected(problem.row(i), self.span[i]),
-        };
-        self.span[i] = span;
-        let sound = are_bounds(problem.row_lower()[i], problem.row_upper()[i]);
-        let (lower, upper) = match defined {
-            Some(replaced) => replaced.row_bounds(problem),
-            None => (problem.row_lower()[i], problem.row_upper()[i]),
-        };
-        if span == Span::EMPTY {
-            (self.row_factor[i], self.lower[i], self.upper[i]) = (1.0, lower, upper);
-            let free = Kind::of(lower, upper) == Kind::Free;
-            self.kind[i] = if free { Kind::Free } else { Kind::Empty };
-            return sound;
-        }
-        let lanes = span.lanes();
-        let row = &mut self.rows[i * self.width..][lanes.clone()];
-        let source = &problem.row(i)[WIDTH * lanes.start..self.n.min(WIDTH * lanes.end)];
-        let removed = defined.map(|replaced| replaced.variable).filter(|j| lanes.contains(&lanes::lane(*j)));
-        let load = |factor: f64, row: &mut [Lanes]| {
-            lanes::load_product(factor, &self.unit[lanes.clone()], source, row);
-            if let Some(j) = removed {
-                row.as_flattened_mut()[j - WIDTH * lanes.start] = 0.0;
-            }
-            lanes::dot(row, row)
-        };
-        // Most often the factor is that of the solve before.
-        let mut factor = self.row_factor[i];
-        let mut squares = load(factor, row);
-        let mut empty = false;
-        if !(1.0..4.0).contains(&squares) {
-            squares = load(1.0, row);
-            (factor, empty) = unit_factor(row, squares);
-            lanes::scale(factor, row);
-        }
-        let (lower, upper) = (lower * factor, upper * factor);
-        (self.row_factor[i], self.lower[i], self.upper[i]) = (factor, lower, upper);
-        self.kind[i] = match Kind::of(lower, upper) {
-            Kind::Free => Kind::Free,
-            _ if empty => Kind::Empty,
-            kind => kind,
-        };
-        squares < f64::INFINITY && sound
     }
 
     /// Number of constraints.
@@ -227,15 +125,21 @@ impl Scaled {
         &self.hessian[i * self.width..][..self.width]
     }
 
+    /// The lanes of the blocks of the rows in lane `i`.
+    pub(crate) fn hessian_group(&self, i: usize) -> Range<usize> {
+        let (first, last) = (self.block[i * WIDTH], self.block[self.n.min((i + 1) * WIDTH) - 1]);
+        first.union(last).lanes()
+    }
+
     /// Row `c` of `A`, valid within its span; none for a bound.
     pub(crate) fn row(&self, c: usize) -> Option<&[Lanes]> {
         (c < self.m).then(|| &self.rows[c * self.width..][..self.width])
     }
 
-    /// `(H v)_i`.
-    pub(crate) fn hessian_times(&self, i: usize, v: &[Lanes]) -> f64 {
-        let lanes = self.block[i].lanes();
-        lanes::dot(&self.hessian_row(i)[lanes.clone()], &v[lanes])
+    /// Lane `i` of `H v`.
+    pub(crate) fn hessian_times(&self, i: usize, v: &[Lanes]) -> Lanes {
+        let lanes = self.hessian_group(i);
+        lanes::dots(lanes::four_rows(&self.hessian, self.width, i, &lanes), &v[lanes])
     }
 
     /// `a_cᵀ v`.
@@ -290,22 +194,6 @@ impl Scaled {
         } else {
             v.as_flattened_mut()[c - self.m] += alpha;
         }
-    }
-}
-
-/// What makes the norm of a row one, or up to two, and whether it is zero.
-fn unit_factor(row: &[Lanes], squares: f64) -> (f64, bool) {
-    if (1e-200..1e200).contains(&squares) {
-        return (1.0 / power_of_two_root(squares), false);
-    }
-    // By the largest entry first, so that the squares neither over- nor underflow.
-    let largest = max_abs(row.as_flattened());
-    if largest > 0.0 {
-        let factor = 1.0 / power_of_two(largest);
-        let squares = row.as_flattened().iter().map(|a| (a * factor) * (a * factor)).sum::<f64>();
-        (factor / power_of_two_root(squares), false)
-    } else {
-        (1.0, true)
     }
 }
 

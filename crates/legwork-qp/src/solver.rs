@@ -111,15 +111,25 @@ impl Solver {
         self.take_result(problem, status)
     }
 
-    /// Scales the problem and factorises its Hessian, if need be with the squares of equalities. False if it is not convex.
+    /// Scales the problem and factorises its Hessian. False if it is not convex.
     fn load(&mut self, problem: &Problem) -> Result<bool, Defect> {
         self.defect = None;
-        self.program.load(problem)?;
+        let loaded = self.load_with(problem, true);
+        if loaded == Ok(true) || self.program.replaced.slacks().is_empty() {
+            return loaded;
+        }
+        // Some weights are too far from others to be in one Hessian, or something is wrong.
+        self.load_with(problem, false)
+    }
+
+    /// With the slacks replaced or not, and if need be with the squares of equalities.
+    fn load_with(&mut self, problem: &Problem, slacks: bool) -> Result<bool, Defect> {
+        self.program.load(problem, slacks)?;
         // A zero on the diagonal tells beforehand that H alone will not do.
         let n = problem.n();
-        let has_cost = |j: usize| problem.hessian()[j * n + j] != 0.0;
-        let is_replaced = !self.program.replaced.is_empty();
-        let mut squares = if is_replaced || (0..n).all(has_cost) { Squares::None } else { Squares::OfFreeVariables };
+        let free = (0..n).filter(|j| problem.hessian()[j * (n + 1)] == 0.0).count();
+        let is_replaced = free > 0 && self.program.replaced.all.len() - self.program.replaced.slacks().len() == free;
+        let mut squares = if is_replaced || free == 0 { Squares::None } else { Squares::OfFreeVariables };
         loop {
             self.program.load_hessian(problem, squares)?;
             self.convexified = is_replaced || squares != Squares::None;
@@ -139,7 +149,7 @@ impl Solver {
         for (x, (z, unit)) in self.x.iter_mut().zip(set.z.as_flattened().iter().zip(program.unit())) {
             *x = z * unit;
         }
-        if !self.x.iter().chain(&set.multipliers).all(|x| x.is_finite()) {
+        if !self.x.iter().chain(&set.multipliers).chain(&set.pulls).all(|x| x.is_finite()) {
             return self.overflow();
         }
         if status == Status::Optimal {
@@ -164,10 +174,14 @@ impl Solver {
             }
         }
         let (rows, bounds) = (&mut self.row_multipliers, &mut self.bound_multipliers);
-        for replaced in &program.replaced {
+        for (replaced, pull) in program.replaced.slacks().iter().zip(&set.pulls) {
+            rows[replaced.row] = pull * program.multiplier_factor(replaced.row);
+            replaced.restore_slack(problem, &mut self.x, rows);
+        }
+        for replaced in program.replaced.all.iter().filter(|replaced| replaced.cost == 0.0) {
             replaced.restore(problem, &mut self.x, rows, bounds, status == Status::Optimal);
         }
-        if program.replaced.iter().all(|replaced| self.x[replaced.variable].is_finite()) {
+        if program.replaced.all.iter().all(|replaced| self.x[replaced.variable].is_finite()) {
             return status;
         }
         self.overflow()
@@ -253,24 +267,24 @@ impl Solver {
         self.defect
     }
 
-    /// The rows and bounds that hold `x`: equality rows that define a variable without a cost, then the others in the order
-    /// in which they entered. Equalities that follow from others are not among them.
+    /// The rows and bounds that hold `x`: equality rows that define a slack or a variable without a cost, then the others in
+    /// the order in which they entered. Equalities that follow from others are not among them.
     pub fn working_set(&self) -> impl Iterator<Item = Active> + '_ {
         let program = &self.program;
         let equality = |c: usize| Active { constraint: program.constraint(c), side: Side::Equal };
-        let members = self.set.members.iter().map(move |&member| match program.defines(member.c) {
+        let members = self.set.members.iter().map(move |&member| match program.replaced.of(member.c) {
             Some(replaced) => Active { constraint: Constraint::Bound(replaced.variable), side: replaced.side(member) },
             None if program.kind[member.c] == Kind::Equality => equality(member.c),
             None => Active { constraint: program.constraint(member.c), side: side(member) },
         });
-        program.replaced.iter().map(move |replaced| equality(replaced.row)).chain(members)
+        program.replaced.all.iter().map(move |replaced| equality(replaced.row)).chain(members)
     }
 
     /// After [`Status::Infeasible`]: the rows and bounds that contradict each other, the one first that was found violated.
     pub fn conflict(&self) -> impl Iterator<Item = Conflict> + '_ {
         self.conflict.iter().flat_map(|&(member, weight)| {
             let own = Conflict { constraint: self.program.constraint(member.c), side: side(member), weight };
-            let bound = self.program.defines(member.c).map(|replaced| Conflict {
+            let bound = self.program.replaced.of(member.c).map(|replaced| Conflict {
                 constraint: Constraint::Bound(replaced.variable),
                 side: replaced.side(member),
                 weight: weight * replaced.entry.abs(),

@@ -4,13 +4,13 @@
 //! own (a force, a slack) costs one square root. Products with `L⁻¹` have no chain of dependent operations, unlike
 //! solutions of triangular systems, and the norms of its columns bound rounding errors.
 
-use std::ops::Range;
-
-use crate::lanes::{Lanes, Span, WIDTH, axpy, axpys, dots, lane, scale, zeros};
+use crate::lanes::{Lanes, Span, WIDTH, axpy, axpys, dots, four_rows, lane, scale, zeros};
 use crate::scale::Scaled;
 
 /// A pivot of the Cholesky factorisation of a matrix with a diagonal of order one counts as zero below this times n.
 const PIVOT: f64 = 64.0 * f64::EPSILON;
+/// With slacks replaced, below this: the step of refinement leaves errors that grow with its inverse square.
+const PIVOT_WITH_SLACKS: f64 = 1e-10;
 
 #[derive(Clone, Debug)]
 pub(crate) struct Whitening {
@@ -23,6 +23,7 @@ pub(crate) struct Whitening {
     diagonal: Vec<Option<Lanes>>,
     /// `√(H⁻¹)_jj`.
     norms: Vec<Lanes>,
+    least_pivot: f64,
 }
 
 impl Whitening {
@@ -35,6 +36,7 @@ impl Whitening {
             first: vec![0; width],
             diagonal: vec![None; width],
             norms: zeros(n),
+            least_pivot: 0.0,
         }
     }
 
@@ -46,6 +48,8 @@ impl Whitening {
     /// Factorises the Hessian with the squares of the program's chosen equalities. False if it is not positive definite.
     pub(crate) fn factorise(&mut self, program: &Scaled) -> bool {
         self.load(program);
+        let has_slacks = !program.replaced.slacks().is_empty();
+        self.least_pivot = if has_slacks { PIVOT_WITH_SLACKS } else { PIVOT * self.block.len() as f64 };
         let mut i = 0;
         while i < self.block.len() {
             let block = self.block[i];
@@ -79,20 +83,22 @@ impl Whitening {
             *first = lane(four[0].first);
         }
         for (i, block) in self.block.iter().enumerate() {
-            let lanes = block.lanes();
+            let upper = lane(i)..block.end.div_ceil(WIDTH);
             let row = &mut self.rows[i * width..][..width];
-            row[lanes.clone()].copy_from_slice(&program.hessian_row(i)[lanes.clone()]);
-            row[self.first[lane(i)]..lanes.start].fill([0.0; WIDTH]);
+            row[upper.clone()].copy_from_slice(&program.hessian_row(i)[upper]);
+            row[self.first[lane(i)]..lane(i)].fill([0.0; WIDTH]);
         }
-        for &c in &program.squared {
+        for &(c, weight) in &program.squared {
             let Some(row) = program.row(c) else {
                 let j = c - program.m;
-                self.rows[j * width..].as_flattened_mut()[j] += 1.0;
+                self.rows[j * width..].as_flattened_mut()[j] += weight;
                 continue;
             };
-            for j in program.span[c].entries() {
-                let lanes = program.span[c].lanes();
-                axpy(row.as_flattened()[j], &row[lanes.clone()], &mut self.rows[j * width..][lanes]);
+            let (entries, lanes) = (program.span[c].entries(), program.span[c].lanes());
+            let (first, normal) = (entries.start, &row[lanes.clone()]);
+            let targets = self.rows[first * width..].chunks_exact_mut(width);
+            for (entry, target) in row.as_flattened()[entries].iter().zip(targets) {
+                axpy(weight * entry, normal, &mut target[lanes.clone()]);
             }
         }
     }
@@ -102,32 +108,32 @@ impl Whitening {
         let entry = &mut self.rows[i * self.width + lane(i)][i % WIDTH];
         let pivot = *entry;
         *entry = 1.0 / pivot.sqrt();
-        is_pivot(pivot, self.block.len())
+        is_pivot(pivot, self.least_pivot)
     }
 
     /// Turns a block of `H` into one of `L⁻¹` by elimination. False if a pivot is zero.
     ///
-    /// Each row `j` that is subtracted from those below it adds column `j` of `L⁻¹` to them and takes one of `H`.
+    /// Each row `j` that is subtracted from those below it adds column `j` of `L⁻¹` to them and takes one of `H`, of which only
+    /// the upper triangle is read.
     fn eliminate(&mut self, block: Span) -> bool {
-        let (n, width, lanes) = (self.block.len(), self.width, block.lanes());
+        let (width, lanes) = (self.width, block.lanes());
         let origin = lanes.start * WIDTH;
         for j in block.entries() {
             let (above, below) = self.rows.split_at_mut((j + 1) * width);
             let row = &mut above[j * width..][lanes.clone()];
             let pivot = row.as_flattened()[j - origin];
-            if !is_pivot(pivot, n) {
+            if !is_pivot(pivot, self.least_pivot) {
                 return false;
             }
-            row.as_flattened_mut()[j - origin] = 1.0;
             let reciprocal = 1.0 / pivot;
-            for other in below.chunks_exact_mut(width).take(block.end - j - 1) {
+            for (i, other) in (j + 1..block.end).zip(below.chunks_exact_mut(width)) {
                 let other = &mut other[lanes.clone()];
-                let entry = &mut other.as_flattened_mut()[j - origin];
-                let factor = *entry * reciprocal;
-                *entry = 0.0;
-                axpy(-factor, row, other);
+                let factor = -reciprocal * row.as_flattened()[i - origin];
+                axpy(factor, row, other);
+                other.as_flattened_mut()[j - origin] = factor;
             }
             scale(reciprocal.sqrt(), row);
+            row.as_flattened_mut()[j - origin] = reciprocal.sqrt();
             row[lane(j) - lanes.start][j % WIDTH + 1..].fill(0.0);
         }
         true
@@ -186,14 +192,8 @@ impl Whitening {
 }
 
 /// A NaN is none.
-fn is_pivot(pivot: f64, n: usize) -> bool {
-    pivot > PIVOT * n as f64
-}
-
-/// The rows of lane `i`.
-#[inline]
-fn four_rows<'a>(rows: &'a [Lanes], width: usize, i: usize, lanes: &Range<usize>) -> [&'a [Lanes]; WIDTH] {
-    std::array::from_fn(|k| &rows[(i * WIDTH + k) * width..][lanes.clone()])
+fn is_pivot(pivot: f64, least: f64) -> bool {
+    pivot > least
 }
 
 #[cfg(test)]
@@ -215,7 +215,7 @@ mod tests {
         let mut problem = Problem::new(n, 0);
         problem.hessian_mut().copy_from_slice(h);
         let mut program = Scaled::new(n, 0);
-        program.load(&problem).unwrap();
+        program.load(&problem, true).unwrap();
         program.load_hessian(&problem, Squares::None).unwrap();
         let mut whitening = Whitening::new(n);
         let definite = whitening.factorise(&program);
@@ -238,7 +238,7 @@ mod tests {
             assert!(definite);
             for j in 0..N {
                 let mut column = zeros(N);
-                (0..N).for_each(|i| column.as_flattened_mut()[i] = program.hessian_times(i, &unit(j)));
+                (0..column.len()).for_each(|i| column[i] = program.hessian_times(i, &unit(j)));
                 let (mut white, mut back) = (zeros(N), zeros(N));
                 whitening.times(&column, Span { first: 0, end: N }, 1.0, &mut white);
                 whitening.subtract_unwhitened(&white, &mut back);

@@ -53,6 +53,8 @@ pub(crate) struct WorkingSet {
     /// Equalities that are not in, with what part of each lies outside the span of the members.
     pub(crate) left: Vec<(usize, f64)>,
     pub(crate) z: Vec<Lanes>,
+    /// `w (b − aᵀz)` of the equalities whose squares are in the Hessian: of a slack's row the multiplier.
+    pub(crate) pulls: Vec<f64>,
     /// `L⁻¹g`, its products with the columns of `Q`, and what is left of it outside their span.
     gradient: Vec<Lanes>,
     along: Vec<f64>,
@@ -81,6 +83,7 @@ impl WorkingSet {
             place: vec![Place::Out; m + n],
             left: Vec::with_capacity(m + n),
             z: zeros(n),
+            pulls: Vec::with_capacity(m + n),
             gradient: zeros(n),
             along: vec![0.0; n],
             across: zeros(n),
@@ -106,10 +109,10 @@ impl WorkingSet {
         if !self.whitening.factorise(program) {
             return false;
         }
-        // With the squares, −∑ b a over the equalities aᵀz = b stands beside the gradient.
+        // With the squares, −∑ w b a over the equalities aᵀz = b stands beside the gradient.
         self.remainder.copy_from_slice(&program.gradient);
-        for &c in &program.squared {
-            program.add_to(c, -program.lower[c], &mut self.remainder);
+        for &(c, weight) in &program.squared {
+            program.add_to(c, -weight * program.lower[c], &mut self.remainder);
         }
         self.whitening.times(&self.remainder, all(program), 1.0, &mut self.gradient);
         self.across.copy_from_slice(&self.gradient);
@@ -224,6 +227,9 @@ impl WorkingSet {
         self.factor.subtract_times(&self.t[..q], y);
         self.z.fill([0.0; WIDTH]);
         self.whitening.subtract_unwhitened(y, &mut self.z);
+        let pull = |&(c, weight): &(usize, f64)| weight * (program.lower[c] - program.times(c, &self.z));
+        self.pulls.clear();
+        self.pulls.extend(program.squared.iter().map(pull));
     }
 
     /// Objective at the refreshed point, up to a constant: `½ yᵀy + (L⁻¹g)ᵀ y`; and the size of what cancels in it.
@@ -251,32 +257,51 @@ impl WorkingSet {
 
     /// One step of iterative refinement of point and multipliers on the optimality conditions of the working set,
     /// `H z − N λ = −g` and `Nᵀ z = b`, with the residuals of the program itself.
+    ///
+    /// The multiplier `u` of a slack's row is refined as an unknown of its own: a small difference `b − aᵀz` times a large
+    /// weight would have lost digits. As `u = w (b − aᵀz)`, its change is `−w aᵀΔz`.
     pub(crate) fn refine(&mut self, program: &Scaled) {
         let q = self.factor.q();
         let residual = &mut self.remainder;
-        for (i, residual) in residual.as_flattened_mut()[..program.n].iter_mut().enumerate() {
-            *residual = -program.gradient.as_flattened()[i] - program.hessian_times(i, &self.z);
+        for (i, (residual, gradient)) in residual.iter_mut().zip(&program.gradient).enumerate() {
+            let product = program.hessian_times(i, &self.z);
+            *residual = std::array::from_fn(|k| -gradient[k] - product[k]);
         }
         for (k, member) in self.members.iter().enumerate() {
             program.add_to(member.c, self.multipliers[k] * member.sign, residual);
             self.r[k] = member.shortfall(program, &self.z);
         }
-        // The factors belong to H + ∑ a aᵀ.
-        for &c in &program.squared {
-            program.add_to(c, program.lower[c] - program.times(c, &self.z), residual);
+        // The factors belong to H + ∑ w a aᵀ.
+        for (&(c, _), pull) in program.squared.iter().zip(&self.pulls) {
+            program.add_to(c, *pull, residual);
         }
         // The step of y with its sign turned, as in refresh.
         let span = self.whitening.times(residual, all(program), -1.0, &mut self.free);
         self.factor.project(&mut self.free, span, &mut self.scratch);
         self.factor.solve_transposed(&mut self.r[..q]);
         self.factor.subtract_times(&self.r[..q], &mut self.free);
-        self.whitening.subtract_unwhitened(&self.free, &mut self.z);
+        self.move_point(program);
         for (r, along) in self.r[..q].iter_mut().zip(&self.scratch) {
             *r += along;
         }
         self.factor.solve(&mut self.r[..q]);
         for (multiplier, correction) in self.multipliers.iter_mut().zip(&self.r) {
             *multiplier += correction;
+        }
+    }
+
+    /// `z −= L⁻ᵀ free`, and the pulls with it.
+    fn move_point(&mut self, program: &Scaled) {
+        if program.squared.is_empty() {
+            self.whitening.subtract_unwhitened(&self.free, &mut self.z);
+            return;
+        }
+        let step = &mut self.remainder;
+        step.fill([0.0; WIDTH]);
+        self.whitening.subtract_unwhitened(&self.free, step);
+        lanes::axpy(1.0, step, &mut self.z);
+        for (&(c, weight), pull) in program.squared.iter().zip(&mut self.pulls) {
+            *pull -= weight * program.times(c, step);
         }
     }
 

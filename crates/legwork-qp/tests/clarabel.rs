@@ -5,7 +5,9 @@ mod common;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::SupportedConeT::{NonnegativeConeT, ZeroConeT};
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus};
-use common::families::{Shape, contradict, general, whole_body_direct, whole_body_slack, whole_body_spatial};
+use common::families::{
+    Shape, contradict, general, whole_body_direct, whole_body_slack, whole_body_spatial, with_slacks,
+};
 use common::{Random, conflict_proves, kkt_below};
 use legwork_qp::{Constraint, Elastic, Problem, Side, Solver, Status};
 
@@ -173,6 +175,26 @@ fn five_thousand_boxes() {
         (shape.bounded, shape.tight) = (1.0, rng.uniform(0.0, 0.9));
         shape.m = rng.below(12);
     });
+}
+
+/// Equality rows with slacks, which the solver replaces and the other does not.
+#[test]
+fn two_thousand_programs_with_slacks() {
+    let (mut compared, mut refused) = (0, 0);
+    for seed in 50_000..52_000 {
+        let mut rng = Random(seed);
+        let mut shape = Shape::random(&mut rng);
+        shape.ridge = shape.ridge.max(1e-3);
+        shape.scale = 0.0;
+        let (mut base, _) = general(&shape, &mut rng);
+        let infeasible = seed % 5 == 0 && contradict(&mut base, &mut rng);
+        let count = 1 + rng.below(12);
+        let (p, _) = with_slacks(&base, count, 2.0, &mut rng);
+        let sure = agree(&p, 1e-7, &format!("seed {seed}"));
+        compared += usize::from(sure);
+        refused += usize::from(sure && infeasible);
+    }
+    assert!(compared > 1600 && refused > 200, "{compared} compared, {refused} infeasible");
 }
 
 #[test]

@@ -17,7 +17,7 @@ pub(super) fn describe(places: &Places, peers: &[Peer]) -> Machine {
         ("processor".to_owned(), processor()),
         ("cores".to_owned(), cores.to_string()),
         ("load at the end (1 is this run)".to_owned(), load),
-        ("ours".to_owned(), format!("{}, `cargo build --release`, no flags for this processor", version("rustc"))),
+        ("ours".to_owned(), format!("{}, release profile, no flags for this processor", version("rustc"))),
         (
             "theirs".to_owned(),
             format!(

@@ -183,6 +183,40 @@ pub fn contradict(p: &mut Problem, rng: &mut Random) -> bool {
     true
 }
 
+/// The program with `count` more equality rows, each with a slack of its own, and the slacks' indices. Costs are of ten to plus
+/// or minus `decades`; some rows repeat others; the slacks stand behind the variables or before them.
+pub fn with_slacks(base: &Problem, count: usize, decades: f64, rng: &mut Random) -> (Problem, Vec<usize>) {
+    let (n, m) = (base.n(), base.m());
+    let (offset, first) = if rng.chance(0.7) { (0, n) } else { (count, 0) };
+    let mut p = Problem::new(n + count, m + count);
+    let width = p.n();
+    for j in 0..n {
+        let row = &base.hessian()[j * n..(j + 1) * n];
+        p.hessian_mut()[(offset + j) * width + offset..][..n].copy_from_slice(row);
+        p.gradient_mut()[offset + j] = base.gradient()[j];
+        p.lower_mut()[offset + j] = base.lower()[j];
+        p.upper_mut()[offset + j] = base.upper()[j];
+    }
+    for i in 0..m {
+        p.row_mut(i)[offset..][..n].copy_from_slice(base.row(i));
+        p.row_lower_mut()[i] = base.row_lower()[i];
+        p.row_upper_mut()[i] = base.row_upper()[i];
+    }
+    for k in 0..count {
+        let (row, slack) = (m + k, first + k);
+        for j in offset..offset + n {
+            let entry = if k > 0 && rng.chance(0.2) { p.row(row - 1)[j] } else { rng.normal() };
+            p.row_mut(row)[j] = entry;
+        }
+        p.row_mut(row)[slack] = if rng.chance(0.3) { 1.0 } else { rng.normal() };
+        let wanted = 3.0 * rng.normal();
+        (p.row_lower_mut()[row], p.row_upper_mut()[row]) = (wanted, wanted);
+        p.hessian_mut()[slack * (width + 1)] = rng.magnitude(-decades, decades);
+        p.gradient_mut()[slack] = if rng.chance(0.5) { rng.normal() } else { 0.0 };
+    }
+    (p, (first..first + count).collect())
+}
+
 /// One of the matrices of a robot, slowly moving with `time`.
 struct Robot {
     mass: [[f64; 7]; 7],
