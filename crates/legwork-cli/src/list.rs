@@ -64,7 +64,7 @@ fn builtin_model(name: &str) -> Result<Model, legwork::error::Error> {
 
 fn model_line(model: &Model) -> String {
     format!(
-        "  {}  {:.1} kg, {} degrees of freedom, {} actuated, {} contact points",
+        "  {}  {:.1} kg, {} degrees of freedom, {} actuated, {} contacts",
         model.name,
         model.total_mass(),
         model.nv(),

@@ -9,7 +9,7 @@ use legwork_rbd::{Base, Dynamics, Model};
 
 use crate::contact::GroundPlane;
 use crate::error::Error;
-use crate::feet::FeetMotion;
+use crate::feet::{FeetMotion, Footing};
 use crate::planner::MotionReferencePlanner;
 use crate::qp::{self, Inputs, Layout, Relaxation, Solution, bounds, layout};
 use crate::reference::{ComTrajectory, Observation, Reference, ReferenceGenerator};
@@ -26,6 +26,8 @@ pub struct Estimate {
     pub v: Vec<f64>,
     /// Which contact points touch the ground.
     pub touching: Vec<bool>,
+    /// Vertical forces on them, the mean of the control period before [N].
+    pub load: Vec<f64>,
 }
 
 /// What the controller did where the program had no solution as it stood.
@@ -137,10 +139,10 @@ impl Controller {
         let com = ComTrajectory::new(&scenario.reference.com, samples, dynamics.com, &ground)?;
         let generator = ReferenceGenerator::new(
             &scenario.reference,
+            model,
             com,
             &ground,
             scenario.ground.known,
-            model.gravity,
             settings.planner.torso_angle_deg.to_radians(),
             &observe(&dynamics, &feet, start),
         );
@@ -189,10 +191,18 @@ impl Controller {
     fn refer(&mut self, estimate: &Estimate, dynamics: &Dynamics) {
         self.feet.update(&self.model, dynamics);
         self.generator.update(&observe(dynamics, &self.feet, estimate));
-        let swinging = self.generator.swing().map(|(foot, _)| foot);
+        let footing = &self.generator.reference().footing;
+        for (foot, footing) in footing.iter().enumerate().filter(|(_, footing)| footing.is_on_toe()) {
+            self.feet.place(&self.model, dynamics, foot, *footing);
+        }
         for (contact, point) in self.model.contacts.iter().enumerate() {
-            // The distance rule (4.10) alone lets the swing foot push until it has left the ground.
-            self.stance[contact] = estimate.touching[contact] && Some(point.foot) != swinging;
+            self.stance[contact] = estimate.touching[contact]
+                && match footing.get(point.foot) {
+                    // The distance rule (4.10) alone lets the swing foot push until it has left the ground.
+                    Some(Footing::Swings) => false,
+                    Some(footing) if footing.is_on_toe() => self.feet.toe(point.foot).contains(&contact),
+                    _ => true,
+                };
         }
     }
 
@@ -207,6 +217,8 @@ impl Controller {
             v: &estimate.v,
             goal: self.planner.goal(),
             stance: &self.stance,
+            footing: &self.generator.reference().footing,
+            max_load: &self.generator.reference().max_load,
             ground: &self.ground,
             weights: &settings.weights,
             limits: &settings.limits,
@@ -294,6 +306,11 @@ impl Controller {
         self.generator.xcom()
     }
 
+    /// Where the centre of pressure and the extrapolated centre of mass should be along x [m].
+    pub fn balance(&self) -> [f64; 2] {
+        self.generator.balance()
+    }
+
     /// The feet, as of the latest tick.
     pub fn feet(&self) -> &FeetMotion {
         &self.feet
@@ -327,7 +344,12 @@ fn observe(dynamics: &Dynamics, feet: &FeetMotion, estimate: &Estimate) -> Obser
         com: dynamics.com,
         com_velocity: dynamics.com_velocity,
         feet: [0, 1].map(|foot| feet.position[foot]),
+        pitch: [0, 1].map(|foot| {
+            let ahead = feet.rotation[foot].column(0);
+            [libm::atan2(ahead.z, ahead.x), -feet.angular_velocity[foot].y]
+        }),
         touching: [0, 1].map(|foot| feet.contacts(foot).iter().any(|&contact| estimate.touching[contact])),
+        load: [0, 1].map(|foot| feet.contacts(foot).iter().map(|&contact| estimate.load[contact]).sum()),
     }
 }
 
@@ -346,6 +368,11 @@ pub(crate) fn check_model(model: &Model, generator: Generator) -> Result<(), Err
             model.base != Base::Fixed && two_feet && one_body_each,
             "the generator \"stance\" needs a planar or floating base and two feet, right before left, each with its \
              contact points on one body",
+        ),
+        Generator::Walker => (
+            model.is_planar() && two_feet && one_body_each && points(0) > 1 && points(1) > 1,
+            "the generator \"walker\" needs a planar base and two feet, right before left, each with a heel and a toe on \
+             one body",
         ),
     };
     if valid {

@@ -135,7 +135,13 @@ impl Episode {
         let q = start_pose(scenario, model, &ground)?;
         let simulator = Simulator::new(scenario, model, q.as_slice())?;
         let touching = (0..model.contacts.len()).map(|contact| simulator.touching(contact)).collect();
-        let truth = Estimate { time: 0.0, q: simulator.q().to_vec(), v: simulator.v().to_vec(), touching };
+        let truth = Estimate {
+            time: 0.0,
+            q: simulator.q().to_vec(),
+            v: simulator.v().to_vec(),
+            touching,
+            load: vec![0.0; model.contacts.len()],
+        };
         let controller = Controller::new(scenario, model, samples, &truth)?;
         let period = scenario.controller.period_s;
         let ticks = (scenario.duration_s / period).round() as u64;
@@ -210,6 +216,11 @@ impl Episode {
         for contact in 0..self.truth.touching.len() {
             self.truth.touching[contact] = self.simulator.touching(contact);
         }
+        if let Some(before) = self.log.len().checked_sub(1) {
+            let axes = self.model.linear_axes().len();
+            let forces = self.log.get(before, Field::GrfSimulated).iter().skip(axes - 1).step_by(axes);
+            self.truth.load.iter_mut().zip(forces).for_each(|(load, force)| *load = *force);
+        }
         self.sensors.read(&self.truth, &mut self.estimate);
     }
 
@@ -254,6 +265,9 @@ impl Episode {
         let numbers = [u32::from(status), tick.fallback as u32, tick.iterations, tick.solves];
         record.set(Field::Program, numbers.map(f64::from));
         let audit = self.simulator.audit();
+        if !record.is_empty(Field::Balance) {
+            record.set(Field::Balance, self.controller.balance());
+        }
         record.set(Field::Energy, [dynamics.kinetic_energy, dynamics.potential_energy, audit.energy_error_j]);
 
         let program = &mut self.program;

@@ -35,9 +35,58 @@ impl FootRows {
             .collect()
     }
 
-    /// All of them.
-    pub fn all(&self) -> Range<usize> {
-        self.angular.start..self.linear.end
+    /// How many rows all feet of `model` have.
+    pub fn count(model: &Model) -> usize {
+        Self::of(model).last().map_or(0, |rows| rows.linear.end)
+    }
+}
+
+/// What a foot does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Footing {
+    /// It stands on all its contact points.
+    #[default]
+    Stands,
+    /// It stands on its toe, and its heel turns about it.
+    Rolls,
+    /// As [`Footing::Rolls`], while it hands its load to the other foot.
+    Trails,
+    /// It is in the air.
+    Swings,
+}
+
+impl Footing {
+    /// Whether the foot stands on its toe alone.
+    pub fn is_on_toe(self) -> bool {
+        matches!(self, Self::Rolls | Self::Trails)
+    }
+}
+
+/// The sole of a foot with several contact points, along the foot from below its joint [m].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sole {
+    /// Place of the heel, negative.
+    pub heel: f64,
+    /// Place of the toe.
+    pub toe: f64,
+    /// Height of the joint above the sole.
+    pub ankle: f64,
+}
+
+impl Sole {
+    /// The sole of the feet of `model`, that of its first foot.
+    pub fn of(model: &Model) -> Self {
+        let points = || model.contacts.iter().filter(|contact| contact.foot == 0).map(|contact| contact.position);
+        Self {
+            heel: points().map(|point| point.x).fold(f64::INFINITY, f64::min),
+            toe: points().map(|point| point.x).fold(f64::NEG_INFINITY, f64::max),
+            ankle: -points().map(|point| point.z).fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    /// The middle between heel and toe.
+    pub fn middle(&self) -> f64 {
+        0.5 * (self.heel + self.toe)
     }
 }
 
@@ -46,6 +95,8 @@ impl FootRows {
 struct Foot {
     body: usize,
     contacts: Vec<usize>,
+    /// Those at the toe.
+    toe: Vec<usize>,
     rows: FootRows,
 }
 
@@ -74,10 +125,13 @@ impl FeetMotion {
         let foot = |(index, rows): (usize, FootRows)| {
             let contacts: Vec<usize> =
                 (0..model.contacts.len()).filter(|&contact| model.contacts[contact].foot == index).collect();
-            Foot { body: contacts.first().map_or(0, |&contact| model.contacts[contact].body), contacts, rows }
+            let place = |&contact: &usize| model.contacts[contact].position.x;
+            let front = contacts.iter().map(place).fold(f64::NEG_INFINITY, f64::max);
+            let toe = contacts.iter().copied().filter(|contact| place(contact) > front - 1e-3).collect();
+            Foot { body: contacts.first().map_or(0, |&contact| model.contacts[contact].body), contacts, toe, rows }
         };
         let feet: Vec<Foot> = FootRows::of(model).into_iter().enumerate().map(foot).collect();
-        let (count, rows) = (feet.len(), feet.last().map_or(0, |foot| foot.rows.linear.end));
+        let (count, rows) = (feet.len(), FootRows::count(model));
         Self {
             feet,
             position: vec![Vector3::zeros(); count],
@@ -100,25 +154,18 @@ impl FeetMotion {
         &self.feet[foot].contacts
     }
 
+    /// The contact points at the toe of a foot.
+    pub fn toe(&self, foot: usize) -> &[usize] {
+        &self.feet[foot].toe
+    }
+
     /// Takes the feet from the `dynamics` of `model`. Allocates nothing.
     pub fn update(&mut self, model: &Model, dynamics: &Dynamics) {
-        let d = model.linear_axes().len();
-        for (index, foot) in self.feet.iter().enumerate() {
-            let share = 1.0 / foot.contacts.len() as f64;
-            let centre =
-                |points: &[Vector3<f64>]| share * foot.contacts.iter().map(|&k| points[k]).sum::<Vector3<f64>>();
-            self.position[index] = centre(&dynamics.contact_positions);
-            self.velocity[index] = centre(&dynamics.contact_velocities);
+        for index in 0..self.feet.len() {
+            self.place(model, dynamics, index, Footing::Stands);
+            let foot = &self.feet[index];
             self.rotation[index] = dynamics.world_from_body[foot.body].rotation;
             self.angular_velocity[index] = dynamics.body_velocity[foot.body].angular;
-            for (axis, row) in foot.rows.linear.clone().enumerate() {
-                self.bias[row] =
-                    share * foot.contacts.iter().map(|&k| dynamics.contact_bias[k * d + axis]).sum::<f64>();
-                for j in 0..model.nv() {
-                    let of = |&k: &usize| dynamics.contact_jacobian[(k * d + axis, j)];
-                    self.jacobian[(row, j)] = share * foot.contacts.iter().map(of).sum::<f64>();
-                }
-            }
             if foot.rows.angular.is_empty() {
                 continue;
             }
@@ -129,6 +176,25 @@ impl FeetMotion {
                 for j in 0..model.nv() {
                     self.jacobian[(row, j)] = self.angular[(axis, j)];
                 }
+            }
+        }
+    }
+
+    /// The place of a foot: where it rolls, the centre of the contact points at its toe, else of all of them. After
+    /// [`FeetMotion::update`], which takes all of them. Allocates nothing.
+    pub fn place(&mut self, model: &Model, dynamics: &Dynamics, index: usize, footing: Footing) {
+        let d = model.linear_axes().len();
+        let foot = &self.feet[index];
+        let points = if footing.is_on_toe() { &foot.toe } else { &foot.contacts };
+        let share = 1.0 / points.len() as f64;
+        let centre = |of: &[Vector3<f64>]| share * points.iter().map(|&k| of[k]).sum::<Vector3<f64>>();
+        self.position[index] = centre(&dynamics.contact_positions);
+        self.velocity[index] = centre(&dynamics.contact_velocities);
+        for (axis, row) in foot.rows.linear.clone().enumerate() {
+            self.bias[row] = share * points.iter().map(|&k| dynamics.contact_bias[k * d + axis]).sum::<f64>();
+            for j in 0..model.nv() {
+                let of = |&k: &usize| dynamics.contact_jacobian[(k * d + axis, j)];
+                self.jacobian[(row, j)] = share * points.iter().map(of).sum::<f64>();
             }
         }
     }

@@ -12,6 +12,7 @@ type Entry = (&'static str, &'static str);
 
 const MODELS: &[Entry] = &[
     ("planar_humanoid", include_str!("../../../models/planar_humanoid.toml")),
+    ("planar_humanoid_feet", include_str!("../../../models/planar_humanoid_feet.toml")),
     ("exo18", include_str!("../../../models/exo18.urdf")),
 ];
 
@@ -35,6 +36,7 @@ const SCENARIOS: &[Entry] = &[
     ("waypoints", include_str!("../../../scenarios/waypoints.toml")),
     ("exo-sway", include_str!("../../../scenarios/exo-sway.toml")),
     ("exo-lift", include_str!("../../../scenarios/exo-lift.toml")),
+    ("feet-walk", include_str!("../../../scenarios/feet-walk.toml")),
     ("walk-spring-damper", include_str!("../../../scenarios/walk-spring-damper.toml")),
 ];
 

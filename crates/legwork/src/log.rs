@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use legwork_rbd::Model;
 
+use crate::control::Estimate;
 use crate::feet::FootRows;
 use crate::qp::Layout;
 use crate::qp::layout::axis_name;
@@ -63,6 +64,9 @@ pub enum Field {
     Contact,
     /// Kinetic and potential energy [J], then the error of the energy balance so far [J].
     Energy,
+    /// Feet with soles only: centre of pressure that the reference asks for, XcoM's reference, as of the walker; where
+    /// there is none, those that belong to the CoM's reference [m].
+    Balance,
 }
 
 /// A named column.
@@ -150,6 +154,19 @@ impl Log {
         (0..axes).map(move |axis| share * contacts().map(|contact| points[contact * axes + axis]).sum::<f64>())
     }
 
+    /// What an ideal sensor tells the controller at record `index`.
+    pub fn truth(&self, index: usize) -> Estimate {
+        let axes = self.range(Field::Com).len();
+        let load = |before: usize| self.get(before, Field::GrfSimulated).iter().skip(axes - 1).step_by(axes).copied();
+        Estimate {
+            time: self.time(index),
+            q: self.get(index, Field::Q).to_vec(),
+            v: self.get(index, Field::V).to_vec(),
+            touching: self.get(index, Field::Touching).iter().map(|&flag| flag != 0.0).collect(),
+            load: index.checked_sub(1).map_or_else(|| vec![0.0; self.foot_of.len()], |before| load(before).collect()),
+        }
+    }
+
     /// All values of the column at `index`.
     pub fn column(&self, index: usize) -> impl Iterator<Item = f64> + Clone + '_ {
         self.records().map(move |record| record[index])
@@ -193,6 +210,11 @@ impl Record<'_> {
     /// Fills `field` with `values`, of which there must be as many as columns.
     pub fn set(&mut self, field: Field, values: impl IntoIterator<Item = f64>) {
         self.each(field, values, |slot, value| *slot = value);
+    }
+
+    /// Whether the log has no columns for `field`.
+    pub fn is_empty(&self, field: Field) -> bool {
+        self.fields[field as usize].is_empty()
     }
 
     /// Adds `values` to what is in `field`.
@@ -273,6 +295,8 @@ fn schema(model: &Model, layout: &Layout) -> Vec<(Field, Vec<(String, &'static s
             },
         )
     });
+    let has_soles = FootRows::of(model).iter().any(|rows| !rows.angular.is_empty());
+    let balance = ["cop_reference", "xcom_reference"].map(|name| (name.to_owned(), "m")).to_vec();
     let limits = layout.limits().iter().map(|limit| (format!("limit.{}", limit.name.replace(' ', "_")), ""));
     vec![
         (Field::Time, one("t", "s")),
@@ -313,5 +337,6 @@ fn schema(model: &Model, layout: &Layout) -> Vec<(Field, Vec<(String, &'static s
             Field::Energy,
             vec![("energy.kinetic".into(), "J"), ("energy.potential".into(), "J"), ("energy.error".into(), "J")],
         ),
+        (Field::Balance, if has_soles { balance } else { Vec::new() }),
     ]
 }

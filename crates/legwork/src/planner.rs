@@ -54,7 +54,7 @@ impl MotionReferencePlanner {
             torso_damping: damping(1.0, settings.torso_gain),
             goal: MotionGoal {
                 momentum_rate: DVector::zeros(angular + linear),
-                foot_acceleration: DVector::zeros(FootRows::of(model).last().map_or(0, |rows| rows.linear.end)),
+                foot_acceleration: DVector::zeros(FootRows::count(model)),
                 torso_acceleration: DVector::zeros(angular),
             },
         }
@@ -85,7 +85,12 @@ impl MotionReferencePlanner {
             + self.com_damping * (com.velocity - dynamics.com_velocity)
             + self.mass * com.acceleration;
         for (row, axis) in linear.iter().enumerate() {
-            let rate = axis.dot(&force);
+            let mut rate = axis.dot(&force);
+            if let Some(cop) = reference.cop.filter(|_| axis.x != 0.0) {
+                // The pendulum whose foot is the centre of pressure, with the vertical force that is asked for
+                let arm = dynamics.com.z - reference.ground_height;
+                rate = (self.mass * model.gravity + force.z) / arm * (dynamics.com.x - cop);
+            }
             let limit = if axis.z == 0.0 { settings.max_horizontal_momentum_rate_n } else { f64::INFINITY };
             goal.momentum_rate[angular + row] = rate.clamp(-limit, limit);
         }

@@ -34,18 +34,12 @@ impl Recording {
     /// If the run has no tick.
     pub fn of(run: &Run, samples: &[[f64; 3]]) -> Self {
         let (scenario, log) = (&run.scenario, &run.log);
-        let truth = |index: usize| Estimate {
-            time: log.time(index),
-            q: log.get(index, Field::Q).to_vec(),
-            v: log.get(index, Field::V).to_vec(),
-            touching: log.get(index, Field::Touching).iter().map(|&flag| flag != 0.0).collect(),
-        };
-        let start = truth(0);
+        let start = log.truth(0);
         let period = scenario.controller.period_s;
         let mut sensors = Sensors::new(&scenario.simulation.sensors, &run.model, period, scenario.seed, &start);
         let mut told = |index: usize| {
             let mut estimate = start.clone();
-            sensors.read(&truth(index), &mut estimate);
+            sensors.read(&log.truth(index), &mut estimate);
             estimate
         };
         Self {

@@ -13,6 +13,7 @@ fn no_allocation_in_tick_or_step() {
         ("push", vec!["controller.form=slack".to_owned(), "duration_s=1.5".to_owned()]),
         ("exo-sway", vec![]),
         ("exo-lift", vec![]),
+        ("feet-walk", vec!["duration_s=3".to_owned()]),
         ("push-baseline", vec![]), // falls, with programs that have no solution as they stand
         (
             "walk",

@@ -110,7 +110,9 @@ impl Walker {
             com: Vector3::new(0.25, 0.0, 0.9),
             com_velocity: Vector3::zeros(),
             feet: [Vector3::zeros(), Vector3::new(0.5, 0.0, 0.0)],
+            pitch: [[0.0; 2]; 2],
             touching: [true, true],
+            load: [0.0; 2],
         };
         let com = PointReference {
             position: Vector3::new(0.25, 0.0, 0.9),

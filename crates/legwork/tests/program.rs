@@ -5,7 +5,7 @@ mod common;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 use legwork::control::{Controller, Estimate, Fallback};
-use legwork::log::Field;
+use legwork::feet::Footing;
 use legwork::qp::{self, Inputs, Layout, Relaxation, Solution};
 use legwork::scenario::{QpForm, Scenario, Tracking};
 use legwork::{library, scenario_file};
@@ -44,6 +44,8 @@ impl State {
             v: &self.estimate.v,
             goal: self.controller.planner().goal(),
             stance: &self.stance,
+            footing: &[Footing::Stands; 2],
+            max_load: &[f64::INFINITY; 2],
             ground: self.controller.ground(),
             weights: &scenario.controller.weights,
             limits: &scenario.controller.limits,
@@ -70,17 +72,11 @@ fn states(name: &str, every: usize) -> Vec<State> {
     let loaded = scenario_file::load(name, &["duration_s=2".to_owned()]).expect("a built-in scenario");
     let model = library::load_model(&loaded.scenario.model, None).expect("a built-in model");
     let run = common::run(name, &["duration_s=2"]);
-    let estimate = |i: usize| Estimate {
-        time: run.log.time(i),
-        q: run.log.get(i, Field::Q).to_vec(),
-        v: run.log.get(i, Field::V).to_vec(),
-        touching: run.log.get(i, Field::Touching).iter().map(|&flag| flag > 0.5).collect(),
-    };
-    let mut controller = Controller::new(&loaded.scenario, &model, &[], &estimate(0)).expect("the model fits");
+    let mut controller = Controller::new(&loaded.scenario, &model, &[], &run.log.truth(0)).expect("the model fits");
     let mut dynamics = Dynamics::new(&model);
     let mut found = Vec::new();
     for i in 0..run.log.len() {
-        let estimate = estimate(i);
+        let estimate = run.log.truth(i);
         dynamics.update(&model, &estimate.q, &estimate.v);
         controller.tick(&estimate, &dynamics);
         if i % every == 0 {

@@ -113,7 +113,8 @@ impl Size {
             let time = simulator.time();
             let torque = holding(&model, simulator.dynamics(), &pose, &q, &v, time);
             simulator.step(&torque);
-            estimates.push(Estimate { time, q, v, touching });
+            let load = vec![0.0; model.nc()];
+            estimates.push(Estimate { time, q, v, touching, load });
             torques.push(torque);
         }
         Ok(Standing { model, estimates, torques })

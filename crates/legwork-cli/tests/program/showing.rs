@@ -33,7 +33,7 @@ fn everything_is_listed() {
     let all = folder.json(&["list", "--json"]).remove(0);
     let keys: Vec<_> = all.as_object().unwrap().keys().map(String::as_str).collect();
     assert_eq!(keys, ["models", "scenarios", "studies", "settings"]);
-    assert_eq!(names(&all["models"]), ["planar_humanoid", "exo18"]);
+    assert_eq!(names(&all["models"]), ["planar_humanoid", "planar_humanoid_feet", "exo18"]);
     for name in ["walk", "push", "stand", "walk-slope", "push-replan"] {
         assert!(names(&all["scenarios"]).contains(&name), "{name}");
     }

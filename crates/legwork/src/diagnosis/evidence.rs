@@ -43,6 +43,7 @@ pub(super) struct Evidence<'a> {
     pub(super) saturations: Vec<Saturation>,
     ground: GroundPlane,
     axes: usize,
+    feet: Vec<FootRows>,
 }
 
 impl<'a> Evidence<'a> {
@@ -50,7 +51,8 @@ impl<'a> Evidence<'a> {
         let axes = model.linear_axes().len();
         let ground = GroundPlane::of(&scenario.ground, model);
         let (stretches, saturations) = (stretches(log), saturations(model, layout));
-        Self { scenario, model, log, stretches, saturations, ground, axes }
+        let feet = FootRows::of(model);
+        Self { scenario, model, log, stretches, saturations, ground, axes, feet }
     }
 
     pub(super) fn time(&self, i: usize) -> f64 {
@@ -115,7 +117,7 @@ impl<'a> Evidence<'a> {
     /// Acceleration that the task of a foot misses [m/s²].
     pub(super) fn missed_foot(&self, i: usize, foot: usize) -> f64 {
         let momentum = self.model.angular_axes().len() + self.axes;
-        let slack = &self.log.get(i, Field::Slack)[momentum..][FootRows::of(self.model)[foot].linear.clone()];
+        let slack = &self.log.get(i, Field::Slack)[momentum..][self.feet[foot].linear.clone()];
         slack.iter().map(|value| value * value).sum::<f64>().sqrt()
     }
 

@@ -3,7 +3,7 @@
 use legwork_qp::Problem;
 
 use super::{Inputs, Layout};
-use crate::scenario::QpForm;
+use crate::scenario::{JointLimits, QpForm};
 
 /// Each component of a contact's force is limited; a contact is switched off by its bounds (in the slack form by the
 /// rows of (4.10)).
@@ -13,6 +13,13 @@ pub fn forces(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
         let limit = if off { 0.0 } else { inputs.limits.grf_n };
         problem.lower_mut()[layout.rho.start + k] = -limit;
         problem.upper_mut()[layout.rho.start + k] = limit;
+    }
+    // A foot that is being unloaded: each of its contact points carries no more than the foot may.
+    let axes = layout.dimension();
+    for (contact, point) in inputs.model.contacts.iter().enumerate() {
+        let Some(&most) = inputs.max_load.get(point.foot).filter(|most| most.is_finite()) else { continue };
+        let vertical = &mut problem.upper_mut()[layout.rho.start + contact * axes + axes - 1];
+        *vertical = most.min(*vertical);
     }
 }
 
@@ -39,7 +46,7 @@ pub fn torques(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
     }
 }
 
-/// Joint limits by braking distance (4.32) and the largest acceleration, for the actuated joints.
+/// Joint limits and the largest acceleration, for the actuated joints.
 ///
 /// Where the former have yielded ([`super::Relaxation::joint_limits`]), a braking joint's bound is a cost instead; the
 /// latter can be dropped as well.
@@ -49,32 +56,49 @@ pub fn accelerations(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem
         let variable = layout.qdd.start + dof;
         let largest =
             if inputs.relaxed.accelerations { f64::INFINITY } else { inputs.limits.joint_acceleration_radps2 };
-        let (mut lower, mut upper) = (-largest, largest);
+        let [lower, upper] = joint_limits(inputs, dof).map(|bound| bound.clamp(-largest, largest));
         match braking(inputs, dof) {
             Some(target) if inputs.relaxed.joint_limits => {
                 problem.hessian_mut()[variable * n + variable] += 2.0 * inputs.weights.braking;
                 problem.gradient_mut()[variable] -= 2.0 * inputs.weights.braking * target;
+                problem.lower_mut()[variable] = -largest;
+                problem.upper_mut()[variable] = largest;
             }
-            Some(target) if target < 0.0 => upper = target,
-            Some(target) => lower = target,
-            None => {}
+            _ => {
+                problem.lower_mut()[variable] = lower;
+                problem.upper_mut()[variable] = upper;
+            }
         }
-        problem.lower_mut()[variable] = lower;
-        problem.upper_mut()[variable] = upper;
     }
 }
 
-/// The acceleration that a joint is forced to so that it stops before its limit [rad/s²], if it is. Thesis (4.32)
+/// The acceleration that a joint is forced to so that it stops before its limit [rad/s²], if it is.
 pub fn braking(inputs: &Inputs<'_>, dof: usize) -> Option<f64> {
+    let largest = inputs.limits.joint_acceleration_radps2;
+    match joint_limits(inputs, dof) {
+        [_, upper] if upper < 0.0 => Some(upper.max(-largest)),
+        [lower, _] if lower > 0.0 => Some(lower.min(largest)),
+        _ => None,
+    }
+}
+
+/// The accelerations that keep a joint within its limits, lowest and highest [rad/s²].
+fn joint_limits(inputs: &Inputs<'_>, dof: usize) -> [f64; 2] {
     let joint = &inputs.model.dofs[dof];
     let (q, v) = (inputs.q[inputs.model.bodies[joint.body].q_index], inputs.v[dof]);
     let largest = inputs.limits.joint_acceleration_radps2;
-    let distance = v * v / (2.0 * largest); // b_i
-    if v > 0.0 && q + distance >= joint.upper {
-        Some(-largest)
-    } else if v < 0.0 && q - distance <= joint.lower {
-        Some(largest)
-    } else {
-        None
+    match inputs.limits.joint_limits {
+        JointLimits::BrakingDistance => {
+            // Thesis (4.32)
+            let distance = v * v / (2.0 * largest); // b_i
+            let upper = if v > 0.0 && q + distance >= joint.upper { -largest } else { f64::INFINITY };
+            let lower = if v < 0.0 && q - distance <= joint.lower { largest } else { f64::NEG_INFINITY };
+            [lower, upper]
+        }
+        JointLimits::Approach => {
+            // The distance d to a limit shrinks no faster than critically damped: d̈ + 2 k ḋ + k² d ≥ 0.
+            let k = inputs.limits.approach_rate_1ps;
+            [joint.lower, joint.upper].map(|limit| k * k * (limit - q) - 2.0 * k * v)
+        }
     }
 }

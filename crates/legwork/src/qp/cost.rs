@@ -6,6 +6,7 @@ use legwork_qp::Problem;
 use nalgebra::DMatrix;
 
 use super::{Inputs, Layout};
+use crate::feet::Footing;
 use crate::scenario::{QpForm, Tracking};
 
 /// Operating cost. Thesis (4.23): accelerations, forces, torques.
@@ -66,7 +67,11 @@ pub fn tracking(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
     };
     let (angular, all) = (inputs.model.angular_axes().len(), momentum.goal.len());
     task(0..angular, &layout.s_m, weights.angular_momentum_factor * weights.momentum, &momentum);
-    task(angular..all, &layout.s_m, weights.momentum, &momentum);
+    let vertical = weights.vertical_momentum_factor;
+    // Together where they weigh the same, which is faster.
+    let horizontal = if vertical == 1.0 { angular..all } else { angular..all - 1 };
+    task(horizontal.clone(), &layout.s_m, weights.momentum, &momentum);
+    task(horizontal.end..all, &layout.s_m, vertical * weights.momentum, &momentum);
 
     let errors = Errors {
         tracking: tasks.feet,
@@ -76,8 +81,14 @@ pub fn tracking(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
     };
     for foot in 0..inputs.model.feet.len() {
         let rows = feet.rows(foot);
-        task(rows.angular.clone(), &layout.s_f, weights.foot_rotation, &errors);
-        task(rows.linear.clone(), &layout.s_f, weights.feet, &errors);
+        let (rotation, place) = match inputs.footing.get(foot) {
+            Some(Footing::Swings) => (weights.swing_rotation_factor, weights.swing_feet_factor),
+            Some(Footing::Rolls) => (weights.rolling_rotation_factor, 1.0),
+            Some(Footing::Trails) => (weights.trailing_rotation_factor, 1.0),
+            _ => (1.0, 1.0),
+        };
+        task(rows.angular.clone(), &layout.s_f, rotation * weights.foot_rotation, &errors);
+        task(rows.linear.clone(), &layout.s_f, place * weights.feet, &errors);
     }
 
     let torso = Errors {
@@ -99,6 +110,9 @@ struct Errors<'a> {
 
 /// Adds `weight |goal - bias - jacobian q̈|²` over `rows`, without its constant. Thesis (4.25)
 fn squared_errors(layout: &Layout, problem: &mut Problem, task: &Errors<'_>, rows: Range<usize>, weight: f64) {
+    if rows.is_empty() {
+        return;
+    }
     let (n, nv, height) = (problem.n(), layout.qdd.len(), task.jacobian.nrows());
     let column = |j: usize| &task.jacobian.as_slice()[j * height..][rows.clone()];
     for j in 0..nv {

@@ -65,7 +65,7 @@ impl Layout {
         let (nv, contacts, dimension) = (model.nv(), model.contacts.len(), model.linear_axes().len());
         let actuated: Vec<usize> = model.actuated().collect();
         let (forces, momenta) = (contacts * dimension, model.angular_axes().len() + dimension);
-        let (feet, torso) = (FootRows::of(model).last().map_or(0, |rows| rows.linear.end), model.angular_axes().len());
+        let (feet, torso) = (FootRows::count(model), model.angular_axes().len());
         let slack = |size: usize| if form == QpForm::Slack { size } else { 0 };
         let task = |size: usize, task: Tracking| if task == Tracking::Equality { size } else { slack(size) };
 

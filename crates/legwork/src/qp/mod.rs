@@ -22,7 +22,7 @@ use legwork_qp::Problem;
 use legwork_rbd::{Dynamics, Model};
 
 use crate::contact::GroundPlane;
-use crate::feet::FeetMotion;
+use crate::feet::{FeetMotion, Footing};
 use crate::planner::MotionGoal;
 use crate::scenario::{Limits, TrackingSettings, Weights};
 pub use layout::{Layout, Limit};
@@ -45,6 +45,10 @@ pub struct Inputs<'a> {
     pub goal: &'a MotionGoal,
     /// Which contacts may carry force.
     pub stance: &'a [bool],
+    /// What the feet do.
+    pub footing: &'a [Footing],
+    /// Largest normal force on each foot [N].
+    pub max_load: &'a [f64],
     /// The ground as the controller knows it.
     pub ground: &'a GroundPlane,
     /// The cost's weights.

@@ -44,7 +44,7 @@ impl Solution {
     /// Storage for solutions of `layout` for `model`.
     pub fn new(layout: &Layout, model: &Model) -> Self {
         let (angular, linear) = (model.angular_axes().len(), model.linear_axes().len());
-        let feet = FootRows::of(model).last().map_or(0, |rows| rows.linear.end);
+        let feet = FootRows::count(model);
         Self {
             qdd: vec![0.0; layout.qdd.len()],
             rho: vec![0.0; layout.rho.len()],

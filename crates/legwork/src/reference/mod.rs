@@ -7,15 +7,20 @@ pub mod com_trajectory;
 pub mod stance;
 pub mod step;
 pub mod swing;
+pub mod walker;
 pub mod xcom;
 
+use legwork_rbd::Model;
 use nalgebra::Vector3;
 
 use crate::contact::GroundPlane;
+pub use crate::feet::Footing;
+use crate::feet::Sole;
 use crate::scenario::{Generator, ReferenceSettings};
 pub use com_trajectory::ComTrajectory;
 pub use stance::Stance;
 pub use step::{Phase, StepMachine};
+pub use walker::Walker;
 
 /// Position, velocity and acceleration of a point [m, m/s, m/s²].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,13 +54,35 @@ pub struct ObjectReference {
     pub point: PointReference,
 }
 
-/// The whole reference of one tick: 27 variables in the plane.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The whole reference of one tick: 27 variables in the plane, and what a walk on feet adds.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference {
     /// The torso's angle and the centre of mass.
     pub chest: ObjectReference,
     /// The right and the left foot.
     pub feet: [ObjectReference; 2],
+    /// What they do.
+    pub footing: [Footing; 2],
+    /// Largest normal force on each [N].
+    pub max_load: [f64; 2],
+    /// Where the centre of pressure should be along x [m]. Where it is given, the centre of mass accelerates as it asks,
+    /// and the place of the CoM along x is no goal.
+    pub cop: Option<f64>,
+    /// Height of the ground below it [m].
+    pub ground_height: f64,
+}
+
+impl Default for Reference {
+    fn default() -> Self {
+        Self {
+            chest: ObjectReference::default(),
+            feet: [ObjectReference::default(); 2],
+            footing: [Footing::Stands; 2],
+            max_load: [f64::INFINITY; 2],
+            cop: None,
+            ground_height: 0.0,
+        }
+    }
 }
 
 /// What the reference generator sees of the robot.
@@ -69,8 +96,12 @@ pub struct Observation {
     pub com_velocity: Vector3<f64>,
     /// Right and left foot [m].
     pub feet: [Vector3<f64>; 2],
+    /// How they are turned about −y, and how fast they turn [rad, rad/s].
+    pub pitch: [[f64; 2]; 2],
     /// Whether they touch the ground.
     pub touching: [bool; 2],
+    /// Vertical forces on them [N].
+    pub load: [f64; 2],
 }
 
 /// What moves the feet.
@@ -78,6 +109,7 @@ pub struct Observation {
 enum Feet {
     Steps(StepMachine),
     Stance(Stance),
+    Walker(Box<Walker>),
 }
 
 /// The reference generator with its state.
@@ -85,6 +117,8 @@ enum Feet {
 pub struct ReferenceGenerator {
     com: ComTrajectory,
     torso_angle: f64,
+    ground: GroundPlane,
+    gravity: f64,
     feet: Feet,
     reference: Reference,
 }
@@ -92,24 +126,35 @@ pub struct ReferenceGenerator {
 impl ReferenceGenerator {
     /// A generator that begins with the feet where they start.
     ///
-    /// `ground_known` says whether `ground` is more than a guess; `gravity` [m/s²], `torso_angle` [rad], `start` the
-    /// observation at time zero.
+    /// `ground_known` says whether `ground` is more than a guess; `torso_angle` [rad], `start` the observation at time
+    /// zero.
     pub fn new(
         settings: &ReferenceSettings,
+        model: &Model,
         com: ComTrajectory,
         ground: &GroundPlane,
         ground_known: bool,
-        gravity: f64,
         torso_angle: f64,
         start: &Observation,
     ) -> Self {
+        let gravity = model.gravity;
         let feet = match settings.generator {
             Generator::Steps => {
                 Feet::Steps(StepMachine::new(settings.step.clone(), ground.clone(), ground_known, gravity, start))
             }
             Generator::Stance => Feet::Stance(Stance::new(settings.stance.clone(), ground.clone(), gravity, start)),
+            Generator::Walker => Feet::Walker(Box::new(Walker::new(
+                settings.walker.clone(),
+                Sole::of(model),
+                ground.clone(),
+                ground_known,
+                model.total_mass(),
+                gravity,
+                start,
+            ))),
         };
-        let mut generator = Self { com, torso_angle, feet, reference: Reference::default() };
+        let mut generator =
+            Self { com, torso_angle, ground: ground.clone(), gravity, feet, reference: Reference::default() };
         generator.update(start);
         generator
     }
@@ -132,10 +177,24 @@ impl ReferenceGenerator {
                     goal.angle.angle = stance.slope();
                 }
             }
+            Feet::Walker(walker) => {
+                walker.update(observation);
+                com = walker.com();
+                reference.feet = *walker.feet();
+                reference.footing = walker.footing();
+                reference.max_load = walker.max_load();
+                reference.cop = Some(walker.cop());
+                reference.ground_height = walker.ground_height();
+            }
         }
         reference.chest.point = com;
         reference.chest.angle.angle = self.torso_angle;
-        reference
+        let swinging = self.swing().map(|(foot, _)| foot);
+        if !matches!(self.feet, Feet::Walker(_)) {
+            let footing = |foot| if Some(foot) == swinging { Footing::Swings } else { Footing::Stands };
+            self.reference.footing = [0, 1].map(footing);
+        }
+        &self.reference
     }
 
     /// The latest reference.
@@ -151,6 +210,21 @@ impl ReferenceGenerator {
                 Phase::Step { foot, since, .. } => Some((foot, since)),
             },
             Feet::Stance(stance) => stance.swing(),
+            Feet::Walker(walker) => walker.swing_foot(),
+        }
+    }
+
+    /// Where the centre of pressure and the extrapolated centre of mass should be along x [m].
+    pub fn balance(&self) -> [f64; 2] {
+        match &self.feet {
+            Feet::Walker(walker) => [walker.cop(), walker.xcom_reference()],
+            Feet::Steps(_) | Feet::Stance(_) => {
+                let com = &self.reference.chest.point;
+                // The linear inverted pendulum: ẍ = ω² (x - p), ξ = x + ẋ/ω
+                let omega = xcom::eigenfrequency(self.gravity, com.position.z - self.ground.height_at(com.position.x));
+                let cop = com.position.x - com.acceleration.x / (omega * omega);
+                [cop, com.position.x + com.velocity.x / omega]
+            }
         }
     }
 
@@ -159,6 +233,7 @@ impl ReferenceGenerator {
         match &self.feet {
             Feet::Steps(steps) => steps.xcom(),
             Feet::Stance(stance) => stance.xcom(),
+            Feet::Walker(walker) => walker.xcom(),
         }
     }
 }

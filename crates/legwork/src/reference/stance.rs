@@ -169,7 +169,9 @@ mod tests {
             com: Vector3::new(0.04, 0.0, 0.9),
             com_velocity: Vector3::zeros(),
             feet: [Vector3::new(0.0, -0.1, 0.0), Vector3::new(0.0, 0.1, 0.0)],
+            pitch: [[0.0; 2]; 2],
             touching: [true, true],
+            load: [0.0; 2],
         };
         (Stance::new(settings, ground, 9.81, &start), start)
     }

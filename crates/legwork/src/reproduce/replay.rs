@@ -7,7 +7,7 @@ use legwork_rbd::Dynamics;
 use serde::Serialize;
 
 use super::statistics::root_mean_square;
-use crate::control::{Controller, Estimate, Fallback};
+use crate::control::{Controller, Fallback};
 use crate::episode::Run;
 use crate::error::Error;
 use crate::log::Field;
@@ -45,20 +45,14 @@ pub struct Replay {
 pub fn replay(run: &Run, sets: &[String]) -> Result<Replay, Error> {
     let name = run.scenario.name.clone();
     let Variant { scenario, model, samples } = Base::load(&name, sets)?.variant().clone();
-    let estimate = |index: usize| Estimate {
-        time: run.log.time(index),
-        q: run.log.get(index, Field::Q).to_vec(),
-        v: run.log.get(index, Field::V).to_vec(),
-        touching: run.log.get(index, Field::Touching).iter().map(|&flag| flag != 0.0).collect(),
-    };
-    let mut controller = Controller::new(&scenario, &model, &samples, &estimate(0))?;
+    let mut controller = Controller::new(&scenario, &model, &samples, &run.log.truth(0))?;
     let mut dynamics = Dynamics::new(&model);
     let weight = model.total_mass() * model.gravity;
     let (angular, dimension) = (model.angular_axes().len(), model.linear_axes().len());
     let (mut vertical, mut linear, mut swing, mut asked, mut stance) = (0.0, vec![], vec![], vec![], vec![]);
     let (mut torque_difference_nm, mut fallbacks) = (0.0_f64, 0);
     for index in 0..run.log.len() {
-        let estimate = estimate(index);
+        let estimate = run.log.truth(index);
         dynamics.update(&model, &estimate.q, &estimate.v);
         controller.tick(&estimate, &dynamics);
         let (tick, goal) = (controller.latest(), controller.planner().goal());

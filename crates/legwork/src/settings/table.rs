@@ -7,6 +7,7 @@ const FINAL: &str = "thesis Table 6.3";
 const GENERATOR: &str = "thesis 4.3.1";
 const FITTED: &str = "fitted";
 const OURS: &str = "ours";
+const FEET: &str = "feet prototype";
 
 // Ranges: wide enough for any study, narrow enough to catch a slip
 const ANY_TIME: [f64; 2] = [0.0, 3600.0];
@@ -26,6 +27,15 @@ const GAIN: [f64; 2] = [0.0, 1e6];
 const TRACKING: &[&str] = &["cost", "equality"];
 const POINT: [Column; 3] =
     [Column::new("x", -10.0, 10.0), Column::new("y", -10.0, 10.0), Column::new("z", -10.0, 10.0)];
+
+const SPEEDS: [Column; 2] = [Column::new("t_s", 0.0, 3600.0), Column::new("speed_mps", -2.0, 2.5)];
+const SCHEDULE: [Column; 5] = [
+    Column::new("speed_mps", 0.0, 2.5),
+    Column::new("step_time_s", 0.2, 5.0),
+    Column::new("com_height_m", 0.05, 5.0),
+    Column::new("bob_m", 0.0, 0.2),
+    Column::new("heel_off_s", 0.0, 1.0),
+];
 
 const SWAY: [Column; 3] = [Column::new("x", -1.0, 1.0), Column::new("y", -1.0, 1.0), Column::new("z", -1.0, 1.0)];
 
@@ -89,9 +99,9 @@ pub const SETTINGS: &[Setting] = &[
     //
     choice(
         "reference.generator",
-        &["steps", "stance"],
+        &["steps", "stance", "walker"],
         OURS,
-        "Steps after a moving centre of mass (thesis 4.3.1), or planned standing, swaying, squatting, lifting a foot.",
+        "Steps after a moving centre of mass (thesis 4.3.1); planned standing, swaying, squatting; or a walk on feet.",
     ),
     choice(
         "reference.com.trajectory",
@@ -157,6 +167,137 @@ pub const SETTINGS: &[Setting] = &[
     number("reference.stance.lift_height_m", "m", [0.0, 1.0], OURS, "How high it is lifted."),
     number("reference.stance.swing_m", "m", [0.0, 1.0], OURS, "How far it swings forward and back."),
     //
+    number("reference.walker.speed_mps", "m/s", [-2.0, 2.5], OURS, "Commanded speed, negative backward."),
+    setting(
+        "reference.walker.speeds",
+        Valid::Rows(&SPEEDS),
+        OURS,
+        "A commanded speed that changes: rows of time and speed, linear between them.",
+    ),
+    number(
+        "reference.walker.speed_change_mps",
+        "m/s",
+        [0.0, 2.0],
+        FEET,
+        "Most that the speed changes from step to step.",
+    ),
+    setting(
+        "reference.walker.march",
+        Valid::Bool,
+        OURS,
+        "Whether it steps in place where the commanded speed is zero.",
+    ),
+    setting(
+        "reference.walker.schedule",
+        Valid::Rows(&SCHEDULE),
+        FEET,
+        "What changes with the speed: step time, height of the centre of mass and its bob, time from the heel's lift-off to the landing.",
+    ),
+    number("reference.walker.double_support_s", "s", [0.01, 1.0], FEET, "Time in which the rear foot is unloaded."),
+    number(
+        "reference.walker.unloading",
+        "",
+        [0.0, 10.0],
+        FEET,
+        "Most that the rear foot carries as it begins to be unloaded, in weights.",
+    ),
+    number(
+        "reference.walker.way_gain",
+        "1/s",
+        [0.0, 10.0],
+        FEET,
+        "Speed that an error in the place of the centre of mass adds.",
+    ),
+    number(
+        "reference.walker.cop_gain",
+        "1/s",
+        [0.0, 100.0],
+        FEET,
+        "What an error of the XcoM moves the centre of pressure by.",
+    )
+    .called("k"),
+    number(
+        "reference.walker.cop_margin_m",
+        "m",
+        [0.0, 0.1],
+        FEET,
+        "The centre of pressure stays that far inside of the foot.",
+    ),
+    number(
+        "reference.walker.cop_centre_m",
+        "m",
+        [-0.2, 0.3],
+        FEET,
+        "Middle of the centre of pressure's way over a step, from the ankle.",
+    )
+    .called("p_c"),
+    number("reference.walker.cop_span_m", "m", [0.0, 1.0], FEET, "Most that the centre of pressure moves in a step."),
+    number("reference.walker.cop_span_share", "", [0.0, 2.0], FEET, "The same as a share of the step length."),
+    number(
+        "reference.walker.stand_margin_m",
+        "m",
+        [0.0, 1.0],
+        OURS,
+        "How far the wanted centre of pressure may leave the feet before a standing robot steps.",
+    ),
+    choice(
+        "reference.walker.adaptation",
+        &["none", "place", "place-and-time"],
+        FEET,
+        "What a step under way may change.",
+    ),
+    number(
+        "reference.walker.time_weight",
+        "m2/s2",
+        WEIGHT,
+        FEET,
+        "Weight of a change of the step's time against one of its place.",
+    ),
+    number(
+        "reference.walker.offset_weight",
+        "",
+        WEIGHT,
+        FEET,
+        "Weight of the XcoM's error at the step's end against a change of its place.",
+    ),
+    number("reference.walker.shortest_swing_s", "s", [0.05, 10.0], FEET, "Shortest swing."),
+    number("reference.walker.longest_step_s", "s", [0.1, 10.0], FEET, "Longest step."),
+    number("reference.walker.longest_m", "m", LENGTH, FEET, "Farthest that a foot lands before the other."),
+    number("reference.walker.longest_back_m", "m", LENGTH, FEET, "Farthest that it lands behind it."),
+    number(
+        "reference.walker.swing_acceleration_mps2",
+        "m/s2",
+        [1.0, 1e4],
+        FEET,
+        "Largest acceleration of the swinging foot.",
+    ),
+    number("reference.walker.clearance_m", "m", [0.0, 1.0], FEET, "Height of the swinging toe."),
+    number("reference.walker.heel_off_from_m", "m", LENGTH, OURS, "Steps longer than this end with a heel-off."),
+    number(
+        "reference.walker.heel_off_turn",
+        "rad/m",
+        [0.0, 10.0],
+        FEET,
+        "Turn of a foot over its toe, a metre of step length.",
+    ),
+    number("reference.walker.heel_off_max_rad", "rad", [0.0, 1.5], FEET, "The most that it turns."),
+    number(
+        "reference.walker.touchdown_force_n",
+        "N",
+        [0.0, 1e4],
+        FEET,
+        "A swinging foot that carries this has touched down.",
+    ),
+    number("reference.walker.settling_s", "s", [0.0, 1.0], OURS, "How long before it lands a foot is above its place."),
+    number("reference.walker.landing_speed_mps", "m/s", [0.0, 5.0], FEET, "Speed at which a foot meets the ground."),
+    number(
+        "reference.walker.landing_acceleration_mps2",
+        "m/s2",
+        [0.1, 1e3],
+        FEET,
+        "How fast it gets faster where it does not find the ground in time.",
+    ),
+    //
     number("controller.period_s", "s", PERIOD, OURS, "Time between two ticks; a whole multiple of the physics period."),
     choice("controller.form", &["direct", "slack"], OURS, "Form of the quadratic program; both have one optimum."),
     number(
@@ -208,13 +349,48 @@ pub const SETTINGS: &[Setting] = &[
         OURS,
         "What the angular rows of the momentum weigh against the linear ones.",
     ),
+    number(
+        "controller.weights.vertical_momentum_factor",
+        "",
+        WEIGHT,
+        OURS,
+        "What the momentum's vertical row weighs against the horizontal ones.",
+    ),
     number("controller.weights.feet", "", WEIGHT, FINAL, "Weight of the feet's acceleration error.").called("C_f"),
+    number(
+        "controller.weights.swing_feet_factor",
+        "",
+        WEIGHT,
+        OURS,
+        "What a swinging foot's place weighs against a standing one's.",
+    ),
     number(
         "controller.weights.foot_rotation",
         "",
         WEIGHT,
         OURS,
         "Weight of the angular acceleration error of feet with several contact points.",
+    ),
+    number(
+        "controller.weights.swing_rotation_factor",
+        "",
+        WEIGHT,
+        OURS,
+        "What a swinging foot's turn weighs against a standing one's.",
+    ),
+    number(
+        "controller.weights.rolling_rotation_factor",
+        "",
+        WEIGHT,
+        OURS,
+        "What the turn of a foot that rolls over its toe weighs against a standing one's.",
+    ),
+    number(
+        "controller.weights.trailing_rotation_factor",
+        "",
+        WEIGHT,
+        OURS,
+        "The same while it hands its load to the other foot.",
     ),
     number("controller.weights.torso", "", WEIGHT, FINAL, "Weight of the torso's angular acceleration error.")
         .called("C_a"),
@@ -238,6 +414,19 @@ pub const SETTINGS: &[Setting] = &[
         [1.0, 1e6],
         FITTED,
         "Largest acceleration of an actuated joint.",
+    ),
+    choice(
+        "controller.limits.joint_limits",
+        &["braking-distance", "approach"],
+        "thesis (4.32)",
+        "How a joint is kept within its limits.",
+    ),
+    number(
+        "controller.limits.approach_rate_1ps",
+        "1/s",
+        [1.0, 1e3],
+        OURS,
+        "Rate of \"approach\": a joint comes to its limit no faster than critically damped with it.",
     ),
     //
     number("simulation.period_s", "s", PERIOD, OURS, "Time step of the physics."),

@@ -68,4 +68,5 @@ fn copy(from: &Estimate, to: &mut Estimate) {
     to.q.copy_from_slice(&from.q);
     to.v.copy_from_slice(&from.v);
     to.touching.copy_from_slice(&from.touching);
+    to.load.copy_from_slice(&from.load);
 }

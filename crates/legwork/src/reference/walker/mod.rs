@@ -1,0 +1,567 @@
+//! Walking on feet: the XcoM follows a plan for each step, the centre of pressure corrects it within the foot, and the
+//! swinging foot lands where and when the gait can go on (Englsberger et al. 2015, Khadiv et al. 2020).
+//!
+//! A step begins when a foot touches down, which then is the stance foot; all places in it are measured from that
+//! foot's ankle, along the ground. First the rear foot unloads, rolling over its toe; then it swings. Shortly before it lands,
+//! the stance foot's heel lifts off.
+
+mod adapt;
+mod plan;
+mod swing;
+
+use nalgebra::Vector3;
+
+use super::{AngleReference, Footing, ObjectReference, Observation, PointReference, xcom};
+use crate::contact::GroundPlane;
+use crate::feet::Sole;
+use crate::scenario::{Adaptation, WalkerSettings};
+use adapt::{Choice, law};
+use plan::{CopPlan, StepPlan};
+use swing::Motion;
+
+/// Slower than this is standing [m/s].
+const STANDING: f64 = 0.02;
+/// Steps shorter than this are at no speed [m].
+const SHORT: f64 = 0.02;
+/// The share of a heel's roll that is done when the foot lifts off: it still turns then.
+const ROLLED: f64 = 0.8;
+/// A step begins at most that long after its touchdown [s].
+const EARLY_S: f64 = 0.05;
+/// Touchdown counts after this share of a swing.
+const LATE: f64 = 0.6;
+/// A foot's place is settled that long before it is above it [s].
+const HELD_S: f64 = 0.02;
+/// A step's time is settled that long before the foot lands [s].
+const SETTLED_S: f64 = 0.05;
+/// The most that a step's time changes [s/s].
+const TIME_RATE: f64 = 2.0;
+
+/// What the robot does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Phase {
+    /// Both feet stand.
+    Standing,
+    /// On `stance` since a time [s].
+    Stepping { stance: usize, since: f64 },
+}
+
+/// A foot that rolls over its toe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Roll {
+    since: f64,
+    duration: f64,
+    /// At its end [rad].
+    angle: f64,
+}
+
+/// Where a foot is, by the ground below its ankle when it is flat.
+#[derive(Clone, Copy, Debug, Default)]
+struct Flat {
+    x: f64,
+    z: f64,
+}
+
+/// The generator `walker`.
+#[derive(Clone, Debug)]
+pub struct Walker {
+    settings: WalkerSettings,
+    ground: GroundPlane,
+    ground_known: bool,
+    sole: Sole,
+    gravity: f64,
+    weight: f64,
+    omega: f64,
+    /// Height of the centre of mass before the step and after it [m].
+    height: [f64; 2],
+    phase: Phase,
+    plan: StepPlan,
+    choice: Choice,
+    /// Where the swinging foot is to land [m].
+    place: f64,
+    speed: f64,
+    /// Where the centre of mass should be, and since when that is counted [m, s].
+    way: f64,
+    time: f64,
+    bob: f64,
+    heel_off: f64,
+    placed: [Flat; 2],
+    roll: [Option<Roll>; 2],
+    ankle: Motion,
+    pitch: Motion,
+    swung: bool,
+    com: f64,
+    xcom: f64,
+    xcom_reference: f64,
+    cop: f64,
+    feet: [ObjectReference; 2],
+    footing: [Footing; 2],
+    max_load: [f64; 2],
+}
+
+impl Walker {
+    /// A robot that stands as in `start`; `mass` [kg] and `gravity` [m/s²].
+    pub fn new(
+        settings: WalkerSettings,
+        sole: Sole,
+        ground: GroundPlane,
+        ground_known: bool,
+        mass: f64,
+        gravity: f64,
+        start: &Observation,
+    ) -> Self {
+        let choice = Choice {
+            length: 0.0,
+            duration: 0.0,
+            offset: [0.0; 2],
+            time_weight: settings.time_weight,
+            offset_weight: settings.offset_weight,
+            earliest: 0.0,
+            latest: settings.longest_step_s,
+            time_is_free: settings.adaptation == Adaptation::PlaceAndTime,
+        };
+        let height = settings.schedule[0][2];
+        let mut walker = Self {
+            omega: xcom::eigenfrequency(gravity, height),
+            height: [height; 2],
+            gravity,
+            weight: mass * gravity,
+            settings,
+            ground,
+            ground_known,
+            sole,
+            phase: Phase::Standing,
+            plan: StepPlan::default(),
+            choice,
+            place: 0.0,
+            speed: 0.0,
+            way: start.com.x,
+            time: start.time,
+            bob: 0.0,
+            heel_off: 0.0,
+            placed: [Flat::default(); 2],
+            roll: [None; 2],
+            ankle: Motion::default(),
+            pitch: Motion::default(),
+            swung: false,
+            com: start.com.x,
+            xcom: start.com.x,
+            xcom_reference: start.com.x,
+            cop: start.com.x,
+            feet: [ObjectReference::default(); 2],
+            footing: [Footing::Stands; 2],
+            max_load: [f64::INFINITY; 2],
+        };
+        for foot in 0..2 {
+            walker.place_foot(foot, start);
+        }
+        walker
+    }
+
+    /// A foot stands where it is now.
+    fn place_foot(&mut self, foot: usize, observation: &Observation) {
+        let x = observation.feet[foot].x - self.sole.middle();
+        let z = if self.ground_known { self.ground.height_at(x) } else { observation.feet[foot].z };
+        self.placed[foot] = Flat { x, z };
+        self.roll[foot] = None;
+    }
+
+    /// The speed that is asked for at `time` [s].
+    fn wanted_speed(&self, time: f64) -> f64 {
+        let rows = &self.settings.speeds;
+        let Some(after) = rows.iter().position(|row| row[0] > time) else {
+            return rows.last().map_or(self.settings.speed_mps, |row| row[1]);
+        };
+        if after == 0 {
+            return rows[0][1];
+        }
+        let ([t0, v0], [t1, v1]) = (rows[after - 1], rows[after]);
+        v0 + (v1 - v0) * (time - t0) / (t1 - t0)
+    }
+
+    /// What the schedule has for the present speed: step time, height, bob, heel-off.
+    fn scheduled(&self) -> [f64; 4] {
+        let (rows, speed) = (&self.settings.schedule, self.speed.abs());
+        let Some(after) = rows.iter().position(|row| row[0] > speed) else {
+            let last = rows[rows.len() - 1];
+            return [last[1], last[2], last[3], last[4]];
+        };
+        if after == 0 {
+            return [rows[0][1], rows[0][2], rows[0][3], rows[0][4]];
+        }
+        let (a, b) = (rows[after - 1], rows[after]);
+        let share = (speed - a[0]) / (b[0] - a[0]);
+        std::array::from_fn(|k| a[k + 1] + share * (b[k + 1] - a[k + 1]))
+    }
+
+    /// Moves on to the time of `observation`.
+    pub fn update(&mut self, observation: &Observation) {
+        let step = observation.time - self.time;
+        self.time = observation.time;
+        self.way += self.speed * step;
+        self.com = observation.com.x;
+        self.xcom = xcom::xcom(observation.com.x, observation.com_velocity.x, self.omega);
+        match self.phase {
+            Phase::Standing => self.stand(observation),
+            Phase::Stepping { stance, since } => self.walk(stance, self.time - since, step, observation),
+        }
+    }
+
+    /// Both feet stand: the centre of pressure holds the XcoM above their middle.
+    fn stand(&mut self, observation: &Observation) {
+        let [right, left] = self.placed;
+        let middle = 0.5 * (right.x + left.x) + self.settings.cop_centre_m;
+        let low = right.x.min(left.x) + self.sole.heel + self.settings.cop_margin_m;
+        let high = right.x.max(left.x) + self.sole.toe - self.settings.cop_margin_m;
+        self.xcom_reference = middle;
+        let wanted = middle + (1.0 + self.settings.cop_gain / self.omega) * (self.xcom - middle);
+        self.cop = wanted.clamp(low, high);
+        self.footing = [Footing::Stands; 2];
+        self.max_load = [f64::INFINITY; 2];
+        (0..2).for_each(|foot| self.feet[foot] = self.flat(foot));
+        let speed = self.wanted_speed(self.time);
+        let away = wanted - self.cop;
+        if speed.abs() > STANDING || self.settings.march || away.abs() > self.settings.stand_margin_m {
+            let forward = if away.abs() > self.settings.stand_margin_m { away } else { speed };
+            // The foot ahead stands.
+            let stance = usize::from((left.x - right.x) * forward.signum() >= 0.0);
+            self.way = observation.com.x;
+            self.begin_step(stance, self.time - self.settings.double_support_s);
+        }
+    }
+
+    /// A step begins on the foot `stance`, which touched down at `since` [s].
+    fn begin_step(&mut self, stance: usize, since: f64) {
+        let settings = &self.settings;
+        let most = settings.speed_change_mps;
+        self.speed += (self.wanted_speed(self.time) - self.speed).clamp(-most, most);
+        let [duration, height, bob, heel_off] = self.scheduled();
+        self.height = [self.height[1], height];
+        self.omega = xcom::eigenfrequency(self.gravity, height);
+        let settings = &self.settings;
+        let behind = (settings.way_gain * (self.way - self.com)).clamp(-0.1, 0.1);
+        let length = ((self.speed + behind) * duration).clamp(-settings.longest_back_m, settings.longest_m);
+        (self.bob, self.heel_off) = (bob, if length > settings.heel_off_from_m { heel_off } else { 0.0 });
+        let span = (settings.cop_span_share * length).clamp(-settings.cop_span_m, settings.cop_span_m);
+        let clip = |cop: f64| cop.clamp(self.sole.heel + settings.cop_margin_m, self.sole.toe - settings.cop_margin_m);
+        let first = clip(settings.cop_centre_m - 0.5 * span);
+        let last = if self.heel_off > 0.0 { self.sole.toe } else { clip(settings.cop_centre_m + 0.5 * span) };
+        let time = [0.0, settings.double_support_s, duration - self.heel_off, duration];
+        // The next step begins with the rear foot `u` behind and ends as a nominal step does.
+        let next = |u: f64| CopPlan { time, cop: [last - u, first, last, last] };
+        let nominal = length + next(length).offset(self.omega, length);
+        let of_length = |u: f64| next(u).back(self.omega, nominal, duration, 0.0);
+        let at_zero = of_length(0.0);
+        self.choice.offset = [at_zero, of_length(1.0) - at_zero];
+        (self.choice.length, self.choice.duration, self.place) = (length, duration, length);
+        self.choice.earliest = settings.double_support_s + settings.shortest_swing_s;
+        let rear = self.placed[1 - stance].x - self.placed[stance].x;
+        let rear = if self.phase == Phase::Standing { first } else { rear + self.plan.cop.cop[3] };
+        self.plan = StepPlan {
+            cop: CopPlan { time, cop: [rear, first, last, last] },
+            omega: self.omega,
+            end: self.end(length),
+        };
+        self.phase = Phase::Stepping { stance, since };
+        self.swung = false;
+    }
+
+    /// XcoM at the end of a step that lands at `place` [m].
+    fn end(&self, place: f64) -> f64 {
+        place + self.choice.offset[0] + self.choice.offset[1] * place
+    }
+
+    /// Ends of the support at `time` [s] of the step; in double support it shrinks as the rear foot unloads.
+    fn support(&self, stance: usize, time: f64) -> [f64; 2] {
+        let margin = self.settings.cop_margin_m;
+        let rolls = time >= self.plan.cop.time[2] && self.heel_off > 0.0;
+        let mut low = if rolls { self.sole.toe } else { self.sole.heel + margin };
+        let mut high = if rolls { self.sole.toe } else { self.sole.toe - margin };
+        let loaded = (1.0 - time / self.settings.double_support_s).min(1.0);
+        if loaded > 0.0 {
+            let rear = self.placed[1 - stance].x - self.placed[stance].x;
+            let rear = if self.roll[1 - stance].is_some() {
+                [rear + self.sole.toe; 2]
+            } else {
+                [rear + self.sole.heel + margin, rear + self.sole.toe - margin]
+            };
+            low = low.min(loaded * rear[0] + (1.0 - loaded) * low);
+            high = high.max(loaded * rear[1] + (1.0 - loaded) * high);
+        }
+        [low, high]
+    }
+
+    fn walk(&mut self, stance: usize, time: f64, step: f64, observation: &Observation) {
+        let origin = self.placed[stance].x;
+        let other = 1 - stance;
+        let lift_off = self.settings.double_support_s;
+        if time >= lift_off && !self.swung {
+            self.lift_off(stance, observation);
+        }
+        if time >= lift_off {
+            self.adapt(stance, time, step);
+        }
+        let end = self.plan.cop.time[3];
+        let phase = (time - lift_off) / (end - lift_off);
+        if self.swung && phase > LATE && observation.load[other] > self.settings.touchdown_force_n {
+            self.touch_down(stance, time, observation);
+            return self.update_same_tick(observation);
+        }
+
+        self.xcom_reference = origin + self.plan.xcom(time);
+        let gain = self.settings.cop_gain;
+        let reference = self.xcom_reference - origin;
+        self.cop = origin + law(&self.plan, gain, self.xcom - origin, reference, time, self.support(stance, time));
+
+        // The stance foot
+        if self.heel_off > 0.0 && self.roll[stance].is_none() && time >= self.plan.cop.time[2] {
+            self.roll[stance] = Some(self.roll_of(self.heel_off + lift_off));
+        }
+        self.feet[stance] = self.flat(stance);
+        self.footing[stance] = Footing::Stands;
+        self.max_load[stance] = f64::INFINITY;
+        self.roll_over(stance, Footing::Rolls);
+
+        // The other one
+        if self.swung {
+            self.footing[other] = Footing::Swings;
+            self.max_load[other] = 0.0;
+            self.feet[other] = self.swing(origin, time, end, phase, step);
+        } else {
+            self.footing[other] = Footing::Stands;
+            self.feet[other] = self.flat(other);
+            self.roll_over(other, Footing::Trails);
+            self.max_load[other] = self.settings.unloading * self.weight * (1.0 - time / lift_off).clamp(0.0, 1.0);
+        }
+    }
+
+    /// The rest of a tick in which a step began.
+    fn update_same_tick(&mut self, observation: &Observation) {
+        match self.phase {
+            Phase::Standing => self.stand(observation),
+            Phase::Stepping { stance, since } => self.walk(stance, self.time - since, 0.0, observation),
+        }
+    }
+
+    /// The foot that swung stands from now on.
+    fn touch_down(&mut self, stance: usize, elapsed: f64, observation: &Observation) {
+        let other = 1 - stance;
+        self.place_foot(other, observation);
+        if self.roll[stance].is_none() && self.heel_off > 0.0 {
+            self.roll[stance] = Some(self.roll_of(self.settings.double_support_s));
+        }
+        let apart = (self.placed[other].x - self.placed[stance].x).abs();
+        let stops = self.wanted_speed(self.time).abs() <= STANDING && !self.settings.march;
+        let ahead = self.xcom - self.placed[other].x;
+        let holds = (self.sole.heel..self.sole.toe).contains(&ahead);
+        if stops && self.speed.abs() <= STANDING && apart < 2.0 * SHORT && holds && self.roll[stance].is_none() {
+            (self.phase, self.speed) = (Phase::Standing, 0.0);
+        } else {
+            // A foot that lands a little early waits for its step to begin, so that the plan goes on without a jump.
+            let early = (self.plan.cop.time[3] - elapsed).clamp(0.0, EARLY_S);
+            self.begin_step(other, self.time + early);
+        }
+    }
+
+    fn roll_of(&self, duration: f64) -> Roll {
+        let angle = (self.settings.heel_off_turn * self.place).min(self.settings.heel_off_max_rad);
+        Roll { since: self.time, duration: duration / ROLLED, angle }
+    }
+
+    /// Turns a standing foot over its toe, if it rolls.
+    fn roll_over(&mut self, foot: usize, footing: Footing) {
+        let Some(roll) = self.roll[foot] else { return };
+        let turn = swing::minimum_jerk(self.time - roll.since, roll.duration);
+        let placed = self.placed[foot];
+        self.footing[foot] = footing;
+        let angle = AngleReference {
+            angle: self.ground.slope - roll.angle * turn.value,
+            velocity: -roll.angle * turn.rate,
+            acceleration: -roll.angle * turn.acceleration,
+        };
+        let toe = Vector3::new(placed.x + self.sole.toe, 0.0, placed.z);
+        self.feet[foot] =
+            ObjectReference { angle, point: PointReference { position: toe, ..PointReference::default() } };
+    }
+
+    /// The rear foot leaves the ground as it stands or rolls.
+    fn lift_off(&mut self, stance: usize, observation: &Observation) {
+        let other = 1 - stance;
+        let [angle, rate] = observation.pitch[other];
+        self.pitch = Motion { value: angle, rate, acceleration: 0.0 };
+        // The ankle moves about the toe.
+        let [place, rate, acceleration] = turned([-self.sole.toe, self.sole.ankle], self.pitch).map(|point| point[0]);
+        let toe = self.placed[other].x + self.sole.toe - self.placed[stance].x;
+        self.ankle = Motion { value: toe + place, rate, acceleration };
+        self.roll[other] = None;
+        self.swung = true;
+    }
+
+    /// Chooses place and time of landing.
+    fn adapt(&mut self, stance: usize, time: f64, step: f64) {
+        let settings = &self.settings;
+        let settled = self.plan.cop.time[3] - settings.settling_s - time < HELD_S;
+        if settings.adaptation == Adaptation::None || step == 0.0 || settled {
+            return;
+        }
+        let xcom = self.xcom - self.placed[stance].x;
+        let end = self.plan.cop.time[3];
+        let mut choice = self.choice;
+        let settled = settings.settling_s + SETTLED_S;
+        choice.time_is_free &= end - time > settled;
+        choice.earliest = choice.earliest.max(time + settled);
+        let (ankle, limit) = (self.ankle, settings.swing_acceleration_mps2);
+        let settling = settings.settling_s;
+        let (longest, back) = (settings.longest_m, settings.longest_back_m);
+        let reach = |landing: f64| {
+            let [low, high] = ankle.reach(limit, (landing - settling - time).max(0.02));
+            [low.clamp(-back, longest), high.clamp(-back, longest)]
+        };
+        let now = time.min(end);
+        let landing = adapt::best_landing(
+            &self.plan,
+            settings.cop_gain,
+            &choice,
+            now,
+            xcom,
+            |at| self.support(stance, at),
+            reach,
+        );
+        self.place = landing.place;
+        let times = &mut self.plan.cop.time;
+        let change = (landing.time - times[3]).clamp(-TIME_RATE * step, TIME_RATE * step);
+        if choice.time_is_free {
+            times[3] += change;
+            if self.roll[stance].is_none() {
+                times[2] = (times[3] - self.heel_off).max(time);
+            }
+        }
+        self.plan.end = self.end(self.place);
+    }
+
+    /// The swinging foot `time` [s] after the step's begin.
+    fn swing(&mut self, origin: f64, time: f64, end: f64, phase: f64, step: f64) -> ObjectReference {
+        // Above its place a little before it lands, so that only the descent is left.
+        let left = end - self.settings.settling_s - time + step;
+        let duration = end - self.settings.double_support_s;
+        self.ankle = self.ankle.toward(self.place, left, step);
+        self.pitch = self.pitch.toward(self.ground.slope, left, step);
+        let mut toe = swing::height(phase, duration, self.settings.clearance_m, self.settings.landing_speed_mps);
+        if time > end {
+            // Late: it descends until it finds the ground.
+            let (late, speed) = (time - end, self.settings.landing_speed_mps);
+            let change = self.settings.landing_acceleration_mps2;
+            toe = Motion {
+                value: -late * (speed + 0.5 * change * late),
+                rate: -speed - change * late,
+                acceleration: -change,
+            };
+        }
+        let ankle = turned([self.sole.toe, -self.sole.ankle], self.pitch);
+        let middle = turned([self.sole.middle(), -self.sole.ankle], self.pitch);
+        let x = self.ankle;
+        // The ankle's height follows from the toe's.
+        let z = [toe.value - ankle[0][1], toe.rate - ankle[1][1], toe.acceleration - ankle[2][1]];
+        let ground = self.ground.height_at(origin + x.value + self.sole.middle());
+        let point = |k: usize, x: f64| Vector3::new(x + middle[k][0], 0.0, z[k] + middle[k][1]);
+        ObjectReference {
+            angle: AngleReference {
+                angle: self.pitch.value,
+                velocity: self.pitch.rate,
+                acceleration: self.pitch.acceleration,
+            },
+            point: PointReference {
+                position: point(0, origin + x.value) + ground * Vector3::z(),
+                velocity: point(1, x.rate),
+                acceleration: point(2, x.acceleration),
+            },
+        }
+    }
+
+    /// A foot that stands flat.
+    fn flat(&self, foot: usize) -> ObjectReference {
+        let placed = self.placed[foot];
+        let position = Vector3::new(placed.x + self.sole.middle(), 0.0, placed.z);
+        ObjectReference {
+            angle: AngleReference { angle: self.ground.slope, ..AngleReference::default() },
+            point: PointReference { position, ..PointReference::default() },
+        }
+    }
+
+    /// The centre of mass: along x as far as it has been commanded, its height follows the step.
+    pub fn com(&self) -> PointReference {
+        let ground = self.ground.height_at(self.way);
+        let mut com = PointReference {
+            position: Vector3::new(self.way, 0.0, self.height[1] + ground),
+            velocity: Vector3::new(self.speed, 0.0, 0.0),
+            acceleration: Vector3::zeros(),
+        };
+        if let Phase::Stepping { since, .. } = self.phase {
+            // Lowest in the middle of double support.
+            let rate = std::f64::consts::TAU / self.plan.cop.time[3];
+            let (sin, cos) = libm::sincos(rate * (self.time - since - 0.5 * self.settings.double_support_s));
+            let half = 0.5 * self.bob;
+            let (left, duration) = (self.height[0] - self.height[1], self.choice.duration);
+            let change = swing::minimum_jerk(self.time - since, duration);
+            com.position.z += left * (1.0 - change.value);
+            com.velocity.z -= left * change.rate;
+            com.acceleration.z -= left * change.acceleration;
+            com.position.z -= half * cos;
+            com.velocity.z += half * rate * sin;
+            com.acceleration.z += half * rate * rate * cos;
+        }
+        com
+    }
+
+    /// References of the feet, of the point that [`Footing`] names.
+    pub fn feet(&self) -> &[ObjectReference; 2] {
+        &self.feet
+    }
+
+    /// What the feet do.
+    pub fn footing(&self) -> [Footing; 2] {
+        self.footing
+    }
+
+    /// Largest normal force of each foot [N].
+    pub fn max_load(&self) -> [f64; 2] {
+        self.max_load
+    }
+
+    /// Where the centre of pressure should be [m].
+    pub fn cop(&self) -> f64 {
+        self.cop
+    }
+
+    /// Height of the ground below it [m].
+    pub fn ground_height(&self) -> f64 {
+        self.ground.height_at(self.cop)
+    }
+
+    /// The foot that swings and since when [s], if one does.
+    pub fn swing_foot(&self) -> Option<(usize, f64)> {
+        match self.phase {
+            Phase::Stepping { stance, since } if self.swung => {
+                Some((1 - stance, since + self.settings.double_support_s))
+            }
+            _ => None,
+        }
+    }
+
+    /// The extrapolated centre of mass along x as of the latest update [m].
+    pub fn xcom(&self) -> f64 {
+        self.xcom
+    }
+
+    /// Where it should be [m].
+    pub fn xcom_reference(&self) -> f64 {
+        self.xcom_reference
+    }
+}
+
+/// A point of a body that turns by `angle`, with velocity and acceleration, from where it is at no angle [m].
+fn turned([x, z]: [f64; 2], angle: Motion) -> [[f64; 2]; 3] {
+    let (sin, cos) = libm::sincos(angle.value);
+    let at = [x * cos - z * sin, x * sin + z * cos];
+    let (rate, change) = (angle.rate, angle.acceleration);
+    [at, [-rate * at[1], rate * at[0]], [-change * at[1] - rate * rate * at[0], change * at[0] - rate * rate * at[1]]]
+}

@@ -1,0 +1,194 @@
+//! The controller: gains, weights, limits (thesis 4.3.2, 4.4).
+
+use serde::{Deserialize, Serialize};
+
+/// The controller: motion reference planner (4.3.2) and quadratic program (4.4).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ControllerSettings {
+    /// Time between two ticks [s].
+    pub period_s: f64,
+    /// Which form of the program is solved.
+    pub form: QpForm,
+    /// Friction that it assumes where the ground is not known.
+    pub assumed_friction: f64,
+    /// Slope that it assumes where the ground is not known [deg].
+    pub assumed_slope_deg: f64,
+    /// The motion reference planner.
+    pub planner: PlannerSettings,
+    /// The cost's weights.
+    pub weights: Weights,
+    /// Cost or equality, a task.
+    pub tracking: TrackingSettings,
+    /// The bounds.
+    pub limits: Limits,
+}
+
+/// The motion reference planner's gains (4.3)-(4.6).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlannerSettings {
+    /// `P_theta`: angular momentum to its rate [1/s].
+    pub angular_momentum_gain: f64,
+    /// `P_C`: CoM error to force [N/m].
+    pub com_gain: f64,
+    /// `P_f`: foot error to acceleration [1/s²].
+    pub foot_gain: f64,
+    /// Foot orientation error to angular acceleration [1/s²]; feet with several contact points.
+    pub foot_rotation_gain: f64,
+    /// `P_a`: torso angle error to angular acceleration [1/s²].
+    pub torso_gain: f64,
+    /// Which damping gains belong to them.
+    pub damping: Damping,
+    /// Largest horizontal momentum rate asked for [N].
+    pub max_horizontal_momentum_rate_n: f64,
+    /// Torso reference angle [deg].
+    pub torso_angle_deg: f64,
+}
+
+/// The weights of the cost (4.23), (4.28).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Weights {
+    /// `C_v`.
+    pub joint_acceleration: f64,
+    /// `C_rho`.
+    pub grf: f64,
+    /// `C_tau`.
+    pub torque: f64,
+    /// `C_m`.
+    pub momentum: f64,
+    /// What the angular rows of the momentum weigh against the linear ones.
+    pub angular_momentum_factor: f64,
+    /// What its vertical row weighs against the horizontal ones.
+    pub vertical_momentum_factor: f64,
+    /// `C_f`.
+    pub feet: f64,
+    /// What a swinging foot's place weighs against a standing one's.
+    pub swing_feet_factor: f64,
+    /// Weight of the angular acceleration of feet with several contact points.
+    pub foot_rotation: f64,
+    /// What a swinging foot's turn weighs against a standing one's.
+    pub swing_rotation_factor: f64,
+    /// What the turn of a foot that rolls over its toe weighs against a standing one's.
+    pub rolling_rotation_factor: f64,
+    /// The same while it hands its load to the other foot.
+    pub trailing_rotation_factor: f64,
+    /// `C_a`.
+    pub torso: f64,
+    /// Weight of a braking joint's acceleration error where the hard bound (4.32) had to yield.
+    pub braking: f64,
+}
+
+/// Cost or equality, a task.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrackingSettings {
+    /// Momentum rate (4.17).
+    pub momentum: Tracking,
+    /// Feet (4.19).
+    pub feet: Tracking,
+    /// Torso (4.20).
+    pub torso: Tracking,
+}
+
+/// The bounds of the program (4.4.4).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Joint torque [Nm].
+    pub torque_nm: f64,
+    /// Each component of a contact's force [N].
+    pub grf_n: f64,
+    /// Acceleration of an actuated joint [rad/s²].
+    pub joint_acceleration_radps2: f64,
+    /// How a joint is kept within its limits.
+    pub joint_limits: JointLimits,
+    /// Rate of `approach` [1/s].
+    pub approach_rate_1ps: f64,
+}
+
+/// The damping gain that belongs to a stiffness `P` (thesis 6.3.7).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Damping {
+    /// `D = sqrt(2 m P)` as printed: damping ratio 0.71.
+    Printed,
+    /// `D = 2 sqrt(m P)`: critical.
+    Critical,
+}
+
+/// How a joint is kept within its limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum JointLimits {
+    /// It brakes as hard as it can when it must (4.32).
+    BrakingDistance,
+    /// It comes to its limit no faster than critically damped (an exponential barrier; Nguyen and Sreenath 2016).
+    Approach,
+}
+
+/// Which of the two equivalent forms of the quadratic program is solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum QpForm {
+    /// Tracking in the cost, torques eliminated: joint accelerations and forces only.
+    Direct,
+    /// Appendix B: joint accelerations, forces, torques and slack variables.
+    Slack,
+}
+
+/// How a tracking goal enters the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Tracking {
+    /// Weighted in the cost.
+    Cost,
+    /// As a hard equality.
+    Equality,
+}
+
+impl Default for ControllerSettings {
+    fn default() -> Self {
+        Self {
+            period_s: 0.001,
+            form: QpForm::Direct,
+            assumed_friction: 0.85,
+            assumed_slope_deg: 0.0,
+            planner: PlannerSettings {
+                angular_momentum_gain: 200.0,
+                com_gain: 1500.0,
+                foot_gain: 1500.0,
+                foot_rotation_gain: 400.0,
+                torso_gain: 45.0,
+                damping: Damping::Printed,
+                max_horizontal_momentum_rate_n: 520.0,
+                torso_angle_deg: -5.0,
+            },
+            weights: Weights {
+                joint_acceleration: 1e-2,
+                grf: 1e-4,
+                torque: 0.0,
+                momentum: 10.0,
+                angular_momentum_factor: 1.0,
+                vertical_momentum_factor: 1.0,
+                feet: 5e5,
+                swing_feet_factor: 1.0,
+                foot_rotation: 5e5,
+                swing_rotation_factor: 1.0,
+                rolling_rotation_factor: 1.0,
+                trailing_rotation_factor: 1.0,
+                torso: 1e5,
+                braking: 1e4,
+            },
+            tracking: TrackingSettings { momentum: Tracking::Cost, feet: Tracking::Cost, torso: Tracking::Cost },
+            limits: Limits {
+                torque_nm: 220.0,
+                grf_n: 1000.0,
+                joint_acceleration_radps2: 1000.0,
+                joint_limits: JointLimits::BrakingDistance,
+                approach_rate_1ps: 30.0,
+            },
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! A scenario: everything that one run depends on, as data.
+//!
+//! A file holds only what differs from the defaults (or from the scenario named by `extends`); see
+//! [`crate::scenario_file`] for reading, `--set` and the checks, and [`crate::settings`] for unit, range and
+//! source of each value.
+
+mod controller;
+mod reference;
+mod simulation;
+
+use serde::{Deserialize, Serialize};
+
+pub use controller::{
+    ControllerSettings, Damping, JointLimits, Limits, PlannerSettings, QpForm, Tracking, TrackingSettings, Weights,
+};
+pub use reference::{
+    Adaptation, ComSettings, Generator, LeastStep, Lift, ReferenceSettings, Replan, StanceSettings, StepSettings,
+    TrajectoryKind, WalkerSettings,
+};
+pub use simulation::{
+    ActuatorSettings, ContactModel, ContactSettings, Integrator, Push, SensorSettings, SimulationSettings,
+};
+
+/// Everything that one run depends on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// Its name.
+    pub name: String,
+    /// What it shows, in a sentence.
+    pub description: String,
+    /// A built-in model's name, or a TOML or URDF file.
+    pub model: String,
+    /// Simulated time [s].
+    pub duration_s: f64,
+    /// Seed of the sensor noise.
+    pub seed: u64,
+    /// The start pose.
+    pub start: Start,
+    /// The ground.
+    pub ground: Ground,
+    /// The reference generator.
+    pub reference: ReferenceSettings,
+    /// The controller.
+    pub controller: ControllerSettings,
+    /// The simulator.
+    pub simulation: SimulationSettings,
+    /// When the robot counts as fallen.
+    pub fall: FallSettings,
+    /// How the metrics are taken.
+    pub metrics: MetricsSettings,
+    /// Forces that act on the robot for a time.
+    pub pushes: Vec<Push>,
+}
+
+/// The start pose, at rest: both feet on the ground, centre of mass and torso as given.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Start {
+    /// Place of the right foot [m].
+    pub right_foot_x_m: f64,
+    /// Place of the left foot [m].
+    pub left_foot_x_m: f64,
+    /// Distance of the feet along y [m]; robots in space only.
+    pub feet_width_m: f64,
+    /// Place of the centre of mass [m].
+    pub com_x_m: f64,
+    /// Height of the centre of mass above the ground below it [m].
+    pub com_height_m: f64,
+    /// Torso angle, counter-clockwise from upright [deg].
+    pub torso_angle_deg: f64,
+}
+
+/// Ground: an inclined plane through the origin with Coulomb friction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ground {
+    /// Coefficient of friction.
+    pub friction: f64,
+    /// Slope, upward in x [deg].
+    pub slope_deg: f64,
+    /// Whether the controller is given the true friction and slope.
+    pub known: bool,
+}
+
+/// When the robot counts as fallen; see [`crate::diagnosis`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FallSettings {
+    /// Lowest CoM height, as a share of the start's.
+    pub min_com_height_fraction: f64,
+    /// Largest torso angle from its reference [deg].
+    pub max_torso_angle_deg: f64,
+    /// Largest joint speed [rad/s]; above it the numbers are out of bounds.
+    pub max_joint_speed_radps: f64,
+}
+
+/// How metrics are taken; see [`crate::metrics`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MetricsSettings {
+    /// The CoM error counts from this time [s].
+    pub com_error_from_s: f64,
+    /// Recovered means: the CoM error stays below this [m].
+    pub recovered_within_m: f64,
+}
+
+impl Default for Scenario {
+    /// Standing still with the thesis's final design (Table 6.3); what the thesis does not give is from the
+    /// fitted parameter set (docs/thesis.md).
+    fn default() -> Self {
+        Self {
+            name: "stand".into(),
+            description: String::new(),
+            model: "planar_humanoid".into(),
+            duration_s: 4.0,
+            seed: 0,
+            start: Start {
+                right_foot_x_m: 0.0,
+                left_foot_x_m: 0.575,
+                feet_width_m: 0.22,
+                com_x_m: 0.27025,
+                com_height_m: 0.885,
+                torso_angle_deg: -1.676873,
+            },
+            ground: Ground { friction: 0.85, slope_deg: 0.0, known: true },
+            reference: ReferenceSettings::default(),
+            controller: ControllerSettings::default(),
+            simulation: SimulationSettings::default(),
+            fall: FallSettings {
+                min_com_height_fraction: 0.5,
+                max_torso_angle_deg: 60.0,
+                max_joint_speed_radps: 200.0,
+            },
+            metrics: MetricsSettings { com_error_from_s: 0.4, recovered_within_m: 0.05 },
+            pushes: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The simulator: integration, contact, sensors, actuators; pushes.
+
+use serde::{Deserialize, Serialize};
+
+/// The simulator.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SimulationSettings {
+    /// Time step of the physics [s]; the control period is a whole multiple of it.
+    pub period_s: f64,
+    /// How the state is advanced.
+    pub integrator: Integrator,
+    /// The contact with the ground.
+    pub contact: ContactSettings,
+    /// What the controller is told of the state.
+    pub sensors: SensorSettings,
+    /// What becomes of the torque asked for.
+    pub actuators: ActuatorSettings,
+}
+
+/// Contact with the ground.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactSettings {
+    /// Rigid or spring-damper.
+    pub model: ContactModel,
+    /// A contact point below this height counts as touching for the controller [m].
+    pub flag_height_m: f64,
+    /// Share of a penetration that is undone in a step (rigid).
+    pub penetration_recovery: f64,
+    /// `alpha` of Appendix A (rigid).
+    pub relaxation: f64,
+    /// Sweeps end when no impulse changes by more than this, as force [N] (rigid).
+    pub tolerance_n: f64,
+    /// Most sweeps a step (rigid).
+    pub max_sweeps: u32,
+    /// Normal stiffness [N/m] (spring-damper).
+    pub stiffness_npm: f64,
+    /// Normal damping [Ns/m] (spring-damper).
+    pub damping_nspm: f64,
+    /// Slip speed at which friction is fully developed [m/s] (spring-damper).
+    pub slip_speed_mps: f64,
+}
+
+/// Sensors: off by default.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SensorSettings {
+    /// Standard deviation of each position [rad or m].
+    pub position_noise: f64,
+    /// Standard deviation of each velocity [rad/s or m/s].
+    pub velocity_noise: f64,
+    /// Delay of the state [s].
+    pub delay_s: f64,
+}
+
+impl SensorSettings {
+    /// Whether the controller is told the true state.
+    pub fn are_ideal(&self) -> bool {
+        self.position_noise == 0.0 && self.velocity_noise == 0.0 && self.delay_s == 0.0
+    }
+}
+
+/// Actuators: ideal by default.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ActuatorSettings {
+    /// Delay of the torque [s].
+    pub delay_s: f64,
+    /// Time constant of a first-order lag behind the delay [s].
+    pub lag_s: f64,
+}
+
+/// A force that acts for a time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Push {
+    /// Its size [N].
+    pub force_n: f64,
+    /// Its direction: 0 forward, 90 up, 180 backward [deg].
+    pub direction_deg: f64,
+    /// How far it is turned to the left about z [deg]; robots in space only.
+    pub heading_deg: f64,
+    /// When it begins [s].
+    pub start_s: f64,
+    /// How long it lasts [s].
+    pub duration_s: f64,
+    /// `com`, or the name of a body.
+    pub at: String,
+    /// Where on that body, in the body's frame from its centre of mass [m].
+    pub point_m: [f64; 3],
+}
+
+impl Default for Push {
+    fn default() -> Self {
+        Self {
+            force_n: 0.0,
+            direction_deg: 0.0,
+            heading_deg: 0.0,
+            start_s: 0.0,
+            duration_s: 0.0,
+            at: "com".into(),
+            point_m: [0.0; 3],
+        }
+    }
+}
+
+/// How the simulator advances the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Integrator {
+    /// Velocity first, then position with the new velocity; dynamics at the start of the step.
+    SemiImplicitEuler,
+    /// Moreau's midpoint: configuration half a step ahead, velocity-dependent forces averaged over the step.
+    Midpoint,
+}
+
+/// The law of the ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContactModel {
+    /// Impulses by the per-contact iteration of Appendix A.
+    Rigid,
+    /// The spring-damper that the thesis argues against (3.3).
+    SpringDamper,
+}
+
+impl Default for SimulationSettings {
+    fn default() -> Self {
+        Self {
+            period_s: 0.001,
+            integrator: Integrator::Midpoint,
+            contact: ContactSettings {
+                model: ContactModel::Rigid,
+                flag_height_m: 0.001,
+                penetration_recovery: 0.2,
+                relaxation: 1.0,
+                tolerance_n: 1e-6,
+                max_sweeps: 100,
+                stiffness_npm: 1e5,
+                damping_nspm: 1e3,
+                slip_speed_mps: 0.01,
+            },
+            sensors: SensorSettings { position_noise: 0.0, velocity_noise: 0.0, delay_s: 0.0 },
+            actuators: ActuatorSettings { delay_s: 0.0, lag_s: 0.0 },
+        }
+    }
+}

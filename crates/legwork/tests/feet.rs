@@ -1,0 +1,136 @@
+//! Walking on feet: speeds, starting, stopping, stepping in place, backward, on ice, and what the program is told.
+
+mod common;
+
+use legwork::episode::{Outcome, Run};
+use legwork::feet::{FeetMotion, Footing};
+use legwork::log::Field;
+use legwork::{episode, library, scenario_file};
+use legwork_rbd::Dynamics;
+
+/// The place along x of the centre of mass at `time` [s].
+fn com(run: &Run, time: f64) -> f64 {
+    run.log.get((time * 1e3).round() as usize, Field::Com)[0]
+}
+
+/// Mean of the distance of XcoM and reference from `time` [s] on [m].
+fn xcom_error(run: &Run, time: f64) -> f64 {
+    let ticks = (time * 1e3) as usize..run.log.len();
+    let error = |tick| (run.log.get(tick, Field::Xcom)[0] - run.log.get(tick, Field::Balance)[1]).abs();
+    ticks.clone().map(error).sum::<f64>() / ticks.len() as f64
+}
+
+fn stood(run: &Run) {
+    assert_eq!(run.outcome, Outcome::Completed, "{:?}", run.reason);
+    assert_eq!(run.audit.violations(), Vec::<String>::new());
+}
+
+#[test]
+fn one_set_of_settings_walks_at_three_speeds() {
+    for speed in [0.5, 1.0, 1.25] {
+        let run = common::run("feet-walk", &[&format!("reference.walker.speed_mps={speed}"), "duration_s=9"]);
+        stood(&run);
+        let measured = (com(&run, 8.9) - com(&run, 4.9)) / 4.0;
+        assert!((measured / speed - 1.0).abs() < 0.04, "{measured} m/s for {speed}");
+        assert!(xcom_error(&run, 4.0) < 0.012, "{} m at {speed} m/s", xcom_error(&run, 4.0));
+        let swinging = (4000..run.log.len()).filter(|&tick| run.log.get(tick, Field::Swing)[0] >= 0.0).count();
+        let single = swinging as f64 / (run.log.len() - 4000) as f64;
+        assert!((0.75..0.85).contains(&single), "single support {single} at {speed} m/s");
+    }
+}
+
+#[test]
+fn it_starts_stops_and_stands() {
+    let speeds = "reference.walker.speeds=[[0.0,0.0],[1.0,0.0],[1.5,0.8],[4.0,0.8],[5.0,0.0]]";
+    let run = common::run("feet-walk", &[speeds, "duration_s=11"]);
+    stood(&run);
+    let swing = |time: f64| run.log.get((time * 1e3) as usize, Field::Swing)[0];
+    assert!((0..9).all(|k| swing(0.1 * f64::from(k)) < 0.0), "it stands until it is told to go");
+    assert!((com(&run, 4.0) - com(&run, 3.0) - 0.8).abs() < 0.08, "{} m in a second", com(&run, 4.0) - com(&run, 3.0));
+    assert!((0..10).all(|k| swing(10.0 + 0.099 * f64::from(k)) < 0.0), "it stands in the end");
+    assert!((com(&run, 10.9) - com(&run, 10.0)).abs() < 0.01);
+}
+
+#[test]
+fn it_steps_in_place_and_walks_backward() {
+    let march =
+        common::run("feet-walk", &["reference.walker.speed_mps=0", "reference.walker.march=true", "duration_s=6"]);
+    stood(&march);
+    assert!(march.metrics.steps >= 7 && (com(&march, 5.9) - com(&march, 1.0)).abs() < 0.05, "{}", march.metrics.steps);
+    let back = common::run("feet-walk", &["reference.walker.speed_mps=-0.3", "duration_s=8"]);
+    stood(&back);
+    let speed = (com(&back, 7.9) - com(&back, 3.9)) / 4.0;
+    assert!((speed + 0.3).abs() < 0.03, "{speed} m/s");
+}
+
+#[test]
+fn it_stands_without_stepping_when_told_to() {
+    let run = common::run("feet-walk", &["reference.walker.speed_mps=0", "duration_s=4"]);
+    stood(&run);
+    assert_eq!(run.metrics.steps, 0);
+    assert!(run.metrics.feet_error_m.peak < 2e-3, "{:?}", run.metrics.feet_error_m);
+}
+
+#[test]
+fn the_rear_foot_hands_its_load_over_and_rolls_over_its_toe() {
+    let run = common::run("feet-walk", &["duration_s=6"]);
+    stood(&run);
+    // In the middle of double support the rear heel is up and only its toe is loaded.
+    let (mut seen, width) = (0, 2);
+    for tick in 4000..run.log.len() - 50 {
+        let begins = run.log.get(tick, Field::Swing)[0] < 0.0 && run.log.get(tick - 1, Field::Swing)[0] >= 0.0;
+        if !begins {
+            continue;
+        }
+        seen += 1;
+        let (landed, middle) = (run.log.get(tick - 1, Field::Swing)[0] as usize, tick + 40);
+        let rear = 1 - landed;
+        let feet = run.log.get(middle, Field::Feet);
+        let [heel, toe] = [0, 1].map(|point| feet[(2 * rear + point) * width + 1]);
+        assert!(heel > 0.05 && toe.abs() < 3e-3, "heel {heel} m, toe {toe} m");
+        assert_eq!(run.log.get(middle, Field::Grf)[2 * rear * width + 1], 0.0, "no force at the heel");
+    }
+    assert!(seen >= 2, "{seen} landings");
+}
+
+#[test]
+fn slack_and_direct_form_are_one_program_on_feet_too() {
+    let sets = |form: &'static str| ["duration_s=1.5", form];
+    let (direct, slack) = (
+        common::run("feet-walk", &sets("controller.form=direct")),
+        common::run("feet-walk", &sets("controller.form=slack")),
+    );
+    stood(&slack);
+    let last = direct.log.len() - 1;
+    for (a, b) in direct.log.get(last, Field::Q).iter().zip(slack.log.get(last, Field::Q)) {
+        assert!((a - b).abs() < 1e-5, "{a} and {b}");
+    }
+}
+
+#[test]
+fn a_foot_on_its_toe_is_where_its_toe_is() {
+    let model = library::load_model("planar_humanoid_feet", None).expect("built in");
+    let mut dynamics = Dynamics::new(&model);
+    let q: Vec<f64> = (0..model.nq()).map(|k| 0.1 + 0.07 * k as f64).collect();
+    let v: Vec<f64> = (0..model.nv()).map(|k| 0.3 - 0.11 * k as f64).collect();
+    dynamics.update(&model, &q, &v);
+    let mut feet = FeetMotion::new(&model);
+    feet.update(&model, &dynamics);
+    let centre = 0.5 * (dynamics.contact_positions[0] + dynamics.contact_positions[1]);
+    assert!((feet.position[0] - centre).norm() < 1e-14);
+    feet.place(&model, &dynamics, 0, Footing::Rolls);
+    assert_eq!(feet.position[0], dynamics.contact_positions[1], "right heel, right toe");
+    assert_eq!(feet.velocity[0], dynamics.contact_velocities[1]);
+    let velocity: Vec<f64> =
+        feet.rows(0).linear.clone().map(|row| (0..model.nv()).map(|j| feet.jacobian[(row, j)] * v[j]).sum()).collect();
+    assert!((velocity[0] - feet.velocity[0].x).abs() + (velocity[1] - feet.velocity[0].z).abs() < 1e-13);
+}
+
+#[test]
+fn the_walk_on_feet_is_not_for_point_feet() {
+    let sets = ["model=planar_humanoid".to_owned(), "start.com_height_m=0.885".to_owned()];
+    let loaded = scenario_file::load("feet-walk", &sets).expect("a valid file");
+    let model = library::load_model("planar_humanoid", None).expect("built in");
+    let error = episode::run(&loaded.scenario, &model, &[], |_| false).expect_err("it has no heel");
+    assert!(error.to_string().contains("each with a heel and a toe"), "{error}");
+}
