@@ -14,6 +14,7 @@ use crate::planner::MotionReferencePlanner;
 use crate::qp::{self, Inputs, Layout, Relaxation, Solution, bounds, layout};
 use crate::reference::{ComTrajectory, Observation, Reference, ReferenceGenerator};
 use crate::scenario::{ControllerSettings, Generator, Scenario, Tracking};
+use crate::wearer;
 
 /// What the controller is told of the robot.
 #[derive(Clone, Debug)]
@@ -115,6 +116,8 @@ pub struct Controller {
     problem: Problem,
     solver: Solver,
     stance: Vec<bool>,
+    torque_before: Vec<f64>,
+    has_ticked: bool,
     tick: Tick,
 }
 
@@ -125,7 +128,7 @@ impl Controller {
     /// The model is not one that this controller can drive, or the CoM trajectory is not valid.
     pub fn new(scenario: &Scenario, model: &Model, samples: &[[f64; 3]], start: &Estimate) -> Result<Self, Error> {
         check_model(model, scenario.reference.generator)?;
-        let settings = scenario.controller.clone();
+        let settings = wearer::controller(scenario, model);
         let (friction, slope_deg) = if scenario.ground.known {
             (scenario.ground.friction, scenario.ground.slope_deg)
         } else {
@@ -139,6 +142,7 @@ impl Controller {
         let com = ComTrajectory::new(&scenario.reference.com, samples, dynamics.com, &ground)?;
         let generator = ReferenceGenerator::new(
             &scenario.reference,
+            scenario.wearer.stature(),
             model,
             com,
             &ground,
@@ -152,6 +156,8 @@ impl Controller {
             problem: Problem::new(layout.variables(), layout.rows()),
             solver: Solver::new(layout.variables(), layout.rows()),
             stance: vec![false; model.contacts.len()],
+            torque_before: vec![0.0; layout.actuated.len()],
+            has_ticked: false,
             tick: Tick {
                 status: Status::Optimal,
                 conflict: Vec::with_capacity(layout.variables() + layout.rows()),
@@ -182,6 +188,7 @@ impl Controller {
         self.planner.plan(&self.model, dynamics, &self.feet, &estimate.v, self.generator.reference());
         done(Part::Reference);
         self.solve(estimate, dynamics, &mut done);
+        self.has_ticked = true;
         self.name_limits();
         done(Part::Reading);
         &self.tick
@@ -209,6 +216,7 @@ impl Controller {
     /// The program is built, solved and read, with the fallbacks where it has no solution as it stands.
     fn solve(&mut self, estimate: &Estimate, dynamics: &Dynamics, done: &mut impl FnMut(Part)) {
         let settings = &self.settings;
+        self.torque_before.copy_from_slice(&self.tick.solution.tau);
         let mut inputs = Inputs {
             model: &self.model,
             dynamics,
@@ -223,6 +231,8 @@ impl Controller {
             weights: &settings.weights,
             limits: &settings.limits,
             tracking: &settings.tracking,
+            torque_before: self.has_ticked.then_some(&self.torque_before[..]),
+            period: settings.period_s,
             relaxed: Relaxation::default(),
         };
         // Contacts that come back meet the limits that they met before.

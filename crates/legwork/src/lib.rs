@@ -38,3 +38,4 @@ pub mod settings;
 pub mod sim;
 pub mod start;
 pub mod study;
+pub mod wearer;

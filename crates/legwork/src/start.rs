@@ -18,12 +18,13 @@ const TOLERANCE: f64 = 1e-12;
 /// No such pose exists: it names what could not be met.
 pub fn start_pose(scenario: &Scenario, model: &Model, ground: &GroundPlane) -> Result<DVector<f64>, Error> {
     let start = &scenario.start;
-    let on_ground = |x: f64, y: f64| Vector3::new(x, y, ground.height_at(x));
+    let stature = scenario.wearer.stature();
+    let on_ground = |x: f64, y: f64| Vector3::new(stature * x, y, ground.height_at(stature * x));
     let aside = if model.is_planar() { 0.0 } else { 0.5 * start.feet_width_m };
     let target = Target {
         feet: [on_ground(start.right_foot_x_m, -aside), on_ground(start.left_foot_x_m, aside)],
         slope: ground.slope,
-        com: on_ground(start.com_x_m, 0.0) + Vector3::z() * start.com_height_m,
+        com: on_ground(start.com_x_m, 0.0) + Vector3::z() * (stature * start.com_height_m),
         torso: start.torso_angle_deg.to_radians(),
     };
     let mut best: Option<(f64, DVector<f64>)> = None;

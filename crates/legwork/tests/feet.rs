@@ -134,3 +134,47 @@ fn the_walk_on_feet_is_not_for_point_feet() {
     let error = episode::run(&loaded.scenario, &model, &[], |_| false).expect_err("it has no heel");
     assert!(error.to_string().contains("each with a heel and a toe"), "{error}");
 }
+
+#[test]
+fn it_is_pushed_while_walking_and_while_standing() {
+    for name in ["push-walking", "stand-push"] {
+        let run = common::run(name, &[]);
+        stood(&run);
+    }
+    let run = common::run("stand-push", &[]);
+    assert!(run.metrics.steps > 0, "50 Ns are more than the feet can hold");
+    let last = run.log.len() - 1;
+    assert!(run.log.get(last, Field::Swing)[0] < 0.0 && run.log.get(last, Field::ComVelocity)[0].abs() < 0.01);
+}
+
+#[test]
+fn one_run_goes_from_standing_to_full_speed_and_back_and_backward() {
+    let run = common::run("stop-and-go", &[]);
+    stood(&run);
+    let speed = |from: f64, to: f64| (com(&run, to) - com(&run, from)) / (to - from);
+    assert!(speed(7.5, 9.0) > 1.1, "{} m/s", speed(7.5, 9.0));
+    assert!(speed(16.0, 17.0).abs() < 0.02 && speed(17.5, 19.5) < -0.15 && speed(23.0, 23.9).abs() < 0.02);
+}
+
+#[test]
+fn other_people_walk_with_the_same_settings() {
+    for (mass, height) in [(55.0, 1.6), (95.0, 1.9), (110.0, 1.75)] {
+        let sets = [format!("wearer.mass_kg={mass}"), format!("wearer.height_m={height}")];
+        let loaded = scenario_file::load("feet-walk", &sets).expect("valid");
+        let model = loaded.model().expect("built in");
+        assert!((model.total_mass() - mass).abs() < 1e-9);
+        let run = episode::run(&loaded.scenario, &model, &[], |_| false).expect("it can start");
+        stood(&run);
+    }
+}
+
+#[test]
+fn a_torque_changes_no_faster_than_its_rate() {
+    let run = common::run("feet-walk", &["controller.limits.torque_rate_nmps=2e4", "duration_s=5"]);
+    stood(&run);
+    let torques = |tick: usize| run.log.get(tick, Field::Torque);
+    let changes =
+        (1..run.log.len()).flat_map(|tick| torques(tick).iter().zip(torques(tick - 1)).map(|(a, b)| (a - b).abs()));
+    let most = changes.fold(0.0, f64::max);
+    assert!(most <= 20.0 + 1e-9 && most > 10.0, "{most} Nm in a tick");
+}

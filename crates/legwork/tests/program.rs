@@ -50,6 +50,8 @@ impl State {
             weights: &scenario.controller.weights,
             limits: &scenario.controller.limits,
             tracking: &scenario.controller.tracking,
+            torque_before: None,
+            period: 0.001,
             relaxed: Relaxation::default(),
         }
     }

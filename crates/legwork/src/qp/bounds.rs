@@ -28,19 +28,28 @@ pub fn torque_limit(inputs: &Inputs<'_>, dof: usize) -> f64 {
     inputs.limits.torque_nm.min(inputs.model.dofs[dof].effort_limit)
 }
 
+/// Lowest and highest torque of an actuated joint, the `index`-th, in this tick [Nm]: within its limit, and no farther from
+/// the torque of the tick before than its rate allows.
+pub fn torque_range(inputs: &Inputs<'_>, index: usize, dof: usize) -> [f64; 2] {
+    let limit = torque_limit(inputs, dof);
+    let Some(before) = inputs.torque_before else { return [-limit, limit] };
+    let change = inputs.limits.torque_rate_nmps * inputs.period;
+    [(before[index] - change).clamp(-limit, limit), (before[index] + change).clamp(-limit, limit)]
+}
+
 /// Torque limits: bounds on τ, or in the direct form on `M_j q̈ + h_j - J_jᵀ ρ` (4.22).
 pub fn torques(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
     for (index, &dof) in layout.actuated.iter().enumerate() {
-        let limit = torque_limit(inputs, dof);
+        let [lower, upper] = torque_range(inputs, index, dof);
         match layout.form {
             QpForm::Direct => {
                 let row = layout.dynamics_rows.start + dof;
-                problem.row_lower_mut()[row] -= limit; // around -h_j
-                problem.row_upper_mut()[row] += limit;
+                problem.row_lower_mut()[row] += lower; // around -h_j
+                problem.row_upper_mut()[row] += upper;
             }
             QpForm::Slack => {
-                problem.lower_mut()[layout.tau.start + index] = -limit;
-                problem.upper_mut()[layout.tau.start + index] = limit;
+                problem.lower_mut()[layout.tau.start + index] = lower;
+                problem.upper_mut()[layout.tau.start + index] = upper;
             }
         }
     }

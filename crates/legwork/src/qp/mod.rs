@@ -57,6 +57,10 @@ pub struct Inputs<'a> {
     pub limits: &'a Limits,
     /// Cost or equality, a task.
     pub tracking: &'a TrackingSettings,
+    /// Torques of the tick before [Nm]; none in the first.
+    pub torque_before: Option<&'a [f64]>,
+    /// Time between two ticks [s].
+    pub period: f64,
     /// What gives way.
     pub relaxed: Relaxation,
 }

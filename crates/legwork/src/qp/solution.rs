@@ -3,7 +3,7 @@
 use legwork_rbd::Model;
 use nalgebra::{DMatrix, DVector};
 
-use super::bounds::torque_limit;
+use super::bounds::torque_range;
 use super::constraints::column;
 use super::{Inputs, Layout};
 use crate::feet::FootRows;
@@ -87,8 +87,8 @@ pub fn read_solution(layout: &Layout, inputs: &Inputs<'_>, x: &[f64], solution: 
                 torque
             }
         };
-        let limit = torque_limit(inputs, dof);
-        solution.tau[index] = torque.clamp(-limit, limit);
+        let [lower, upper] = torque_range(inputs, index, dof);
+        solution.tau[index] = torque.clamp(lower, upper);
     }
     let (goal, feet, slack) = (inputs.goal, inputs.feet, &mut solution.slack);
     let qdd = &solution.qdd;

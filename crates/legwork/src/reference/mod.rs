@@ -126,10 +126,11 @@ pub struct ReferenceGenerator {
 impl ReferenceGenerator {
     /// A generator that begins with the feet where they start.
     ///
-    /// `ground_known` says whether `ground` is more than a guess; `torso_angle` [rad], `start` the observation at time
+    /// `stature` is the wearer's height against that of the models' person; `ground_known` says whether `ground` is more than a guess; `torso_angle` [rad], `start` the observation at time
     /// zero.
     pub fn new(
         settings: &ReferenceSettings,
+        stature: f64,
         model: &Model,
         com: ComTrajectory,
         ground: &GroundPlane,
@@ -144,7 +145,7 @@ impl ReferenceGenerator {
             }
             Generator::Stance => Feet::Stance(Stance::new(settings.stance.clone(), ground.clone(), gravity, start)),
             Generator::Walker => Feet::Walker(Box::new(Walker::new(
-                settings.walker.clone(),
+                settings.walker.for_stature(stature),
                 Sole::of(model),
                 ground.clone(),
                 ground_known,

@@ -98,6 +98,8 @@ pub struct TrackingSettings {
 pub struct Limits {
     /// Joint torque [Nm].
     pub torque_nm: f64,
+    /// Change of a joint's torque [Nm/s].
+    pub torque_rate_nmps: f64,
     /// Each component of a contact's force [N].
     pub grf_n: f64,
     /// Acceleration of an actuated joint [rad/s²].
@@ -148,6 +150,24 @@ pub enum Tracking {
     Equality,
 }
 
+impl ControllerSettings {
+    /// The settings for a robot of `mass` and `length` times those that they are for: what they are in forces and torques
+    /// follows, so that accelerations are traded as before. Joint torque limits are the actuators' and stay.
+    #[must_use]
+    pub fn for_size(&self, mass: f64, length: f64) -> Self {
+        let mut scaled = self.clone();
+        scaled.planner.com_gain *= mass;
+        scaled.planner.max_horizontal_momentum_rate_n *= mass;
+        scaled.limits.grf_n *= mass;
+        let (force, torque) = (mass * mass, mass * mass * length * length);
+        scaled.weights.momentum /= force;
+        scaled.weights.grf /= force;
+        scaled.weights.angular_momentum_factor /= length * length;
+        scaled.weights.torque /= torque;
+        scaled
+    }
+}
+
 impl Default for ControllerSettings {
     fn default() -> Self {
         Self {
@@ -184,6 +204,7 @@ impl Default for ControllerSettings {
             tracking: TrackingSettings { momentum: Tracking::Cost, feet: Tracking::Cost, torso: Tracking::Cost },
             limits: Limits {
                 torque_nm: 220.0,
+                torque_rate_nmps: 1e9,
                 grf_n: 1000.0,
                 joint_acceleration_radps2: 1000.0,
                 joint_limits: JointLimits::BrakingDistance,

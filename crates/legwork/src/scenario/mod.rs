@@ -10,6 +10,8 @@ mod simulation;
 
 use serde::{Deserialize, Serialize};
 
+use crate::wearer::PERSON;
+
 pub use controller::{
     ControllerSettings, Damping, JointLimits, Limits, PlannerSettings, QpForm, Tracking, TrackingSettings, Weights,
 };
@@ -35,6 +37,10 @@ pub struct Scenario {
     pub duration_s: f64,
     /// Seed of the sensor noise.
     pub seed: u64,
+    /// The person whose segments the robot has.
+    pub wearer: Wearer,
+    /// What is worn on them.
+    pub exoskeleton: Exoskeleton,
     /// The start pose.
     pub start: Start,
     /// The ground.
@@ -51,6 +57,45 @@ pub struct Scenario {
     pub metrics: MetricsSettings,
     /// Forces that act on the robot for a time.
     pub pushes: Vec<Push>,
+}
+
+/// A person. A taller one stands and walks with all lengths of the start pose and of the generator `walker` in proportion; for
+/// a heavier one the controller's gains and weights of forces follow.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wearer {
+    /// Mass [kg].
+    pub mass_kg: f64,
+    /// Height [m].
+    pub height_m: f64,
+}
+
+impl Wearer {
+    /// Height against that of the models' person.
+    pub fn stature(&self) -> f64 {
+        self.height_m / PERSON.height_m
+    }
+}
+
+/// Masses that an exoskeleton adds to the segments, each at its segment's centre of mass [kg].
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Exoskeleton {
+    /// On the torso.
+    pub torso_kg: f64,
+    /// On each thigh.
+    pub thigh_kg: f64,
+    /// On each shank.
+    pub shank_kg: f64,
+    /// On each foot.
+    pub foot_kg: f64,
+}
+
+impl Exoskeleton {
+    /// The masses with the ends of the names of the bodies that carry them.
+    pub fn masses(&self) -> [(&'static str, f64); 4] {
+        [("torso", self.torso_kg), ("thigh", self.thigh_kg), ("shank", self.shank_kg), ("foot", self.foot_kg)]
+    }
 }
 
 /// The start pose, at rest: both feet on the ground, centre of mass and torso as given.
@@ -115,6 +160,8 @@ impl Default for Scenario {
             model: "planar_humanoid".into(),
             duration_s: 4.0,
             seed: 0,
+            wearer: PERSON,
+            exoskeleton: Exoskeleton::default(),
             start: Start {
                 right_foot_x_m: 0.0,
                 left_foot_x_m: 0.575,

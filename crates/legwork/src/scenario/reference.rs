@@ -216,6 +216,45 @@ pub enum LeastStep {
     BaseOfSupport,
 }
 
+impl WalkerSettings {
+    /// The settings for a robot whose lengths are `stature` times those that they are for. Times follow the square root,
+    /// as for pendulums (Hof 1996); speeds stay what is commanded.
+    #[must_use]
+    pub fn for_stature(&self, stature: f64) -> Self {
+        let mut scaled = self.clone();
+        let time = libm::sqrt(stature);
+        for [speed, step_time, com_height, bob, heel_off] in &mut scaled.schedule {
+            *speed *= time;
+            *step_time *= time;
+            *com_height *= stature;
+            *bob *= stature;
+            *heel_off *= time;
+        }
+        for length in [
+            &mut scaled.cop_margin_m,
+            &mut scaled.cop_centre_m,
+            &mut scaled.cop_span_m,
+            &mut scaled.stand_margin_m,
+            &mut scaled.longest_m,
+            &mut scaled.longest_back_m,
+            &mut scaled.clearance_m,
+            &mut scaled.heel_off_from_m,
+        ] {
+            *length *= stature;
+        }
+        scaled.heel_off_turn /= stature;
+        for duration in [
+            &mut scaled.double_support_s,
+            &mut scaled.settling_s,
+            &mut scaled.shortest_swing_s,
+            &mut scaled.longest_step_s,
+        ] {
+            *duration *= time;
+        }
+        scaled
+    }
+}
+
 impl Default for ReferenceSettings {
     fn default() -> Self {
         Self {

@@ -21,6 +21,7 @@ use crate::library::{
 };
 use crate::scenario::{Scenario, TrajectoryKind};
 use crate::settings::{at, tree};
+use crate::wearer;
 use draft::{Draft, Places, Source};
 
 pub use write::to_toml;
@@ -37,12 +38,16 @@ pub struct Loaded {
 }
 
 impl Loaded {
-    /// Reads the model that the scenario names.
+    /// Reads the model that the scenario names, and fits it to the wearer.
     ///
     /// # Errors
-    /// As [`load_model`].
+    /// As [`load_model`] and [`wearer::fit`].
     pub fn model(&self) -> Result<Model, Error> {
-        load_model(&self.scenario.model, self.folder.as_deref()).map_err(|error| self.locate(error))
+        let fitted = load_model(&self.scenario.model, self.folder.as_deref()).and_then(|mut model| {
+            wearer::fit(&mut model, &self.scenario.wearer, &self.scenario.exoskeleton)?;
+            Ok(model)
+        });
+        fitted.map_err(|error| self.locate(error))
     }
 
     /// Reads the samples of the CoM trajectory; none where the scenario's trajectory is not from a file.

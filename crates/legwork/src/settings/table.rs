@@ -7,6 +7,7 @@ const FINAL: &str = "thesis Table 6.3";
 const GENERATOR: &str = "thesis 4.3.1";
 const FITTED: &str = "fitted";
 const OURS: &str = "ours";
+const WINTER: &str = "Winter";
 const FEET: &str = "feet prototype";
 
 // Ranges: wide enough for any study, narrow enough to catch a slip
@@ -79,6 +80,19 @@ pub const SETTINGS: &[Setting] = &[
     setting("model", Valid::Text, OURS, "A built-in model, or a TOML or URDF file."),
     number("duration_s", "s", [1e-3, 3600.0], OURS, "Simulated time."),
     setting("seed", Valid::Integer { min: 0, max: i64::MAX }, OURS, "Seed of the sensor noise."),
+    //
+    number("wearer.mass_kg", "kg", [20.0, 250.0], WINTER, "Mass of the person whose segments the robot has."),
+    number(
+        "wearer.height_m",
+        "m",
+        [1.0, 2.3],
+        WINTER,
+        "Height of that person; lengths of start pose and \"walker\" follow.",
+    ),
+    number("exoskeleton.torso_kg", "kg", [0.0, 100.0], OURS, "Mass that an exoskeleton adds to the torso."),
+    number("exoskeleton.thigh_kg", "kg", [0.0, 50.0], OURS, "The same to each thigh."),
+    number("exoskeleton.shank_kg", "kg", [0.0, 50.0], OURS, "The same to each shank."),
+    number("exoskeleton.foot_kg", "kg", [0.0, 50.0], OURS, "The same to each foot."),
     //
     number("start.right_foot_x_m", "m", PLACE, FITTED, "Place of the right foot."),
     number("start.left_foot_x_m", "m", PLACE, FITTED, "Place of the left foot."),
@@ -407,6 +421,13 @@ pub const SETTINGS: &[Setting] = &[
     choice("controller.tracking.torso", TRACKING, "thesis (4.20)", "How the torso is tracked."),
     //
     number("controller.limits.torque_nm", "Nm", [0.1, 1e5], FINAL, "Largest joint torque."),
+    number(
+        "controller.limits.torque_rate_nmps",
+        "Nm/s",
+        [1.0, 1e9],
+        OURS,
+        "Largest change of a joint's torque; the default is none to speak of.",
+    ),
     number("controller.limits.grf_n", "N", [1.0, 1e6], FINAL, "Largest component of a contact's force."),
     number(
         "controller.limits.joint_acceleration_radps2",

@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::scenario::Scenario;
 use crate::scenario_file::{self, Loaded};
 use crate::settings::{self, Setting, Valid};
+use crate::wearer;
 
 /// The paths into the robot's model begin with this; all others are settings of the scenario.
 const MODEL: &str = "model.";
@@ -125,6 +126,10 @@ impl Base {
                 ModelError::Syntax { message, .. } => Error::invalid(last, message),
                 other => other.into(),
             })?;
+        }
+        let (before, after) = (&self.variant.scenario, &variant.scenario);
+        if (&before.wearer, &before.exoskeleton) != (&after.wearer, &after.exoskeleton) {
+            wearer::refit(&mut variant.model, before, after)?;
         }
         Ok(variant)
     }
