@@ -9,7 +9,7 @@ use legwork_rbd::{Base, Dynamics, Model};
 
 use crate::contact::GroundPlane;
 use crate::error::Error;
-use crate::feet::{FeetMotion, Footing};
+use crate::feet::{FeetMotion, Footing, Sole};
 use crate::planner::MotionReferencePlanner;
 use crate::qp::{self, Inputs, Layout, Relaxation, Solution, bounds, layout};
 use crate::reference::{ComTrajectory, Observation, Reference, ReferenceGenerator};
@@ -363,6 +363,12 @@ fn observe(dynamics: &Dynamics, feet: &FeetMotion, estimate: &Estimate) -> Obser
     }
 }
 
+/// Whether the feet's joints are above their soles and between heel and toe.
+fn has_ankles(model: &Model) -> bool {
+    let sole = Sole::of(model);
+    sole.heel < 0.0 && sole.toe > 0.0 && sole.ankle > 0.0
+}
+
 /// Two feet, right before left; the thesis's steps want a planar robot with point feet.
 pub(crate) fn check_model(model: &Model, generator: Generator) -> Result<(), Error> {
     let points = |foot: usize| model.contacts.iter().filter(|contact| contact.foot == foot).count();
@@ -380,9 +386,9 @@ pub(crate) fn check_model(model: &Model, generator: Generator) -> Result<(), Err
              contact points on one body",
         ),
         Generator::Walker => (
-            model.is_planar() && two_feet && one_body_each && points(0) > 1 && points(1) > 1,
+            model.is_planar() && two_feet && one_body_each && points(0) > 1 && points(1) > 1 && has_ankles(model),
             "the generator \"walker\" needs a planar base and two feet, right before left, each with a heel and a toe on \
-             one body",
+             one body, the heel behind and the toe before the ankle and both below it",
         ),
     };
     if valid {

@@ -178,3 +178,24 @@ fn a_torque_changes_no_faster_than_its_rate() {
     let most = changes.fold(0.0, f64::max);
     assert!(most <= 20.0 + 1e-9 && most > 10.0, "{most} Nm in a tick");
 }
+
+#[test]
+fn what_no_leg_and_no_ground_could_bear_is_refused() {
+    for (set, expected) in [
+        ("reference.walker.speed_mps=2.4", "takes steps of 1.36 m; the legs reach"),
+        ("reference.walker.speeds=[[0,0],[1,0.5],[1,0.6]]", "row 2: valid are times that increase"),
+        ("reference.walker.schedule=[]", "found no row"),
+        ("reference.walker.schedule=[[0,0.6,0.98,0,0.1],[0,0.6,0.98,0,0.1]]", "row 1: valid are speeds that increase"),
+        ("reference.walker.schedule=[[0,0.25,0.98,0,0.1]]", "row 0: a step of 0.25 s"),
+        ("ground.slope_deg=45", "a slope of 45 deg needs a friction of 1.000"),
+        ("wearer.mass_kg=500", "found 500"),
+    ] {
+        let error = scenario_file::load("feet-walk", &[set.to_owned()]).expect_err(set);
+        assert!(error.to_string().contains(expected), "{set}: {error}");
+    }
+    let mut model = library::load_model("planar_humanoid_feet", None).expect("built in");
+    model.contacts.iter_mut().for_each(|contact| contact.position.z = 0.05);
+    let loaded = scenario_file::load("feet-walk", &[]).expect("built in");
+    let error = episode::run(&loaded.scenario, &model, &[], |_| false).expect_err("the sole is above the ankle");
+    assert!(error.to_string().contains("both below it"), "{error}");
+}

@@ -4,7 +4,7 @@ use toml::Value;
 
 use super::draft::Draft;
 use crate::error::Error;
-use crate::scenario::{Scenario, TrajectoryKind};
+use crate::scenario::{Generator, Scenario, TrajectoryKind};
 use crate::settings::{SETTINGS, Setting, at};
 
 /// A log of more ticks would not fit into memory.
@@ -101,7 +101,7 @@ fn conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
         let paths = &["reference.step.min_length_m", "reference.step.max_length_m"];
         return Some((paths, format!("the shortest step of {least} m is longer than the longest of {most} m")));
     }
-    trajectory_conflict(scenario).or_else(|| fall_conflict(scenario))
+    trajectory_conflict(scenario).or_else(|| fall_conflict(scenario)).or_else(|| walker_conflict(scenario))
 }
 
 fn trajectory_conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
@@ -123,6 +123,63 @@ fn trajectory_conflict(scenario: &Scenario) -> Option<(&'static [&'static str], 
         }
         _ => None,
     }
+}
+
+/// A walk that no leg and no ground could bear.
+fn walker_conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
+    if scenario.reference.generator != Generator::Walker {
+        return None;
+    }
+    let walker = &scenario.reference.walker;
+    let schedule: &[&str] = &["reference.walker.schedule"];
+    if walker.schedule.is_empty() {
+        return Some((schedule, "found no row; valid is at least one".to_owned()));
+    }
+    if let Some(row) = walker.schedule.windows(2).position(|rows| rows[1][0] <= rows[0][0]) {
+        let problem = format!("row {}: valid are speeds that increase", row + 1);
+        return Some((schedule, problem));
+    }
+    let shortest = walker.double_support_s + walker.shortest_swing_s;
+    for (row, &[_, step_time, _, _, heel_off]) in walker.schedule.iter().enumerate() {
+        if step_time < shortest || step_time > walker.longest_step_s || heel_off >= step_time - walker.double_support_s
+        {
+            let problem = format!(
+                "row {row}: a step of {step_time} s with a heel-off of {heel_off} s; valid are steps from {shortest} s (double \
+                 support and shortest swing) to {} s (longest_step_s) whose heel-off is shorter than the swing",
+                walker.longest_step_s
+            );
+            return Some((schedule, problem));
+        }
+    }
+    if let Some(row) = walker.speeds.windows(2).position(|rows| rows[1][0] <= rows[0][0]) {
+        let problem = format!("row {}: valid are times that increase", row + 1);
+        return Some((&["reference.walker.speeds"], problem));
+    }
+    let speeds = walker.speeds.iter().map(|row| row[1]).chain(walker.speeds.is_empty().then_some(walker.speed_mps));
+    for speed in speeds {
+        let (length, longest) =
+            (speed * walker.scheduled(speed)[0], if speed < 0.0 { walker.longest_back_m } else { walker.longest_m });
+        if length.abs() > longest {
+            let problem = format!(
+                "a speed of {speed} m/s takes steps of {:.2} m; the legs reach {longest} m (longest_m, longest_back_m)",
+                length.abs()
+            );
+            return Some((
+                &["reference.walker.speed_mps", "reference.walker.speeds", "reference.walker.schedule"],
+                problem,
+            ));
+        }
+    }
+    let ground = &scenario.ground;
+    let steepness = libm::tan(ground.slope_deg.to_radians()).abs();
+    if steepness > ground.friction {
+        let problem = format!(
+            "a slope of {} deg needs a friction of {steepness:.3} to stand on; found {}",
+            ground.slope_deg, ground.friction
+        );
+        return Some((&["ground.slope_deg", "ground.friction"], problem));
+    }
+    None
 }
 
 /// The start must not count as a fall.

@@ -178,21 +178,6 @@ impl Walker {
         v0 + (v1 - v0) * (time - t0) / (t1 - t0)
     }
 
-    /// What the schedule has for the present speed: step time, height, bob, heel-off.
-    fn scheduled(&self) -> [f64; 4] {
-        let (rows, speed) = (&self.settings.schedule, self.speed.abs());
-        let Some(after) = rows.iter().position(|row| row[0] > speed) else {
-            let last = rows[rows.len() - 1];
-            return [last[1], last[2], last[3], last[4]];
-        };
-        if after == 0 {
-            return [rows[0][1], rows[0][2], rows[0][3], rows[0][4]];
-        }
-        let (a, b) = (rows[after - 1], rows[after]);
-        let share = (speed - a[0]) / (b[0] - a[0]);
-        std::array::from_fn(|k| a[k + 1] + share * (b[k + 1] - a[k + 1]))
-    }
-
     /// Moves on to the time of `observation`.
     pub fn update(&mut self, observation: &Observation) {
         let step = observation.time - self.time;
@@ -234,7 +219,7 @@ impl Walker {
         let settings = &self.settings;
         let most = settings.speed_change_mps;
         self.speed += (self.wanted_speed(self.time) - self.speed).clamp(-most, most);
-        let [duration, height, bob, heel_off] = self.scheduled();
+        let [duration, height, bob, heel_off] = self.settings.scheduled(self.speed);
         self.height = [self.height[1], height];
         self.omega = xcom::eigenfrequency(self.gravity, height);
         let settings = &self.settings;
