@@ -140,16 +140,7 @@ impl Controller {
         let mut feet = FeetMotion::new(model);
         feet.update(model, &dynamics);
         let com = ComTrajectory::new(&scenario.reference.com, samples, dynamics.com, &ground)?;
-        let generator = ReferenceGenerator::new(
-            &scenario.reference,
-            scenario.wearer.stature(),
-            model,
-            com,
-            &ground,
-            scenario.ground.known,
-            settings.planner.torso_angle_deg.to_radians(),
-            &observe(&dynamics, &feet, start),
-        );
+        let generator = ReferenceGenerator::new(scenario, model, com, &ground, &observe(&dynamics, &feet, start));
         let layout = Layout::new(settings.form, &settings.tracking, model, &ground);
         Ok(Self {
             planner: MotionReferencePlanner::new(&settings.planner, model),

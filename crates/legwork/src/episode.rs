@@ -230,6 +230,19 @@ impl Episode {
         let dynamics = self.simulator.dynamics();
         let reference = self.controller.reference();
         let tick = self.controller.latest();
+        let places = |contacts: &[usize]| {
+            let sum: nalgebra::Vector3<f64> = contacts.iter().map(|&contact| dynamics.contact_positions[contact]).sum();
+            sum / contacts.len() as f64
+        };
+        // All of the log's feet are the middles of their contact points, also where the reference is of the toe.
+        let feet = [0, 1].map(|foot| {
+            let mut point = reference.feet[foot].point;
+            if reference.footing[foot].is_on_toe() {
+                let motion = self.controller.feet();
+                point.position += places(motion.contacts(foot)) - places(motion.toe(foot));
+            }
+            point
+        });
         let project = |vector: nalgebra::Vector3<f64>| axes.iter().map(move |axis| axis.dot(&vector));
         let motion = |point: &crate::reference::PointReference| {
             let (p, v, a) = (point.position, point.velocity, point.acceleration);
@@ -253,7 +266,7 @@ impl Episode {
         let torso = &reference.chest.angle;
         record.set(Field::TorsoReference, [torso.angle, torso.velocity, torso.acceleration]);
         record.set(Field::Feet, dynamics.contact_positions.iter().flat_map(|point| project(*point)));
-        record.set(Field::FeetReference, reference.feet.iter().flat_map(|foot| motion(&foot.point)));
+        record.set(Field::FeetReference, feet.iter().flat_map(motion));
         record.set(Field::Swing, self.controller.swing().map_or([-1.0, -1.0], |(foot, since)| [foot as f64, since]));
         record.set(Field::Touching, self.truth.touching.iter().map(|&touching| f64::from(u8::from(touching))));
         record.set(Field::MomentumRateGoal, self.controller.planner().goal().momentum_rate.iter().copied());

@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 use crate::contact::GroundPlane;
 pub use crate::feet::Footing;
 use crate::feet::Sole;
-use crate::scenario::{Generator, ReferenceSettings};
+use crate::scenario::{Generator, Scenario};
 pub use com_trajectory::ComTrajectory;
 pub use stance::Stance;
 pub use step::{Phase, StepMachine};
@@ -126,18 +126,16 @@ pub struct ReferenceGenerator {
 impl ReferenceGenerator {
     /// A generator that begins with the feet where they start.
     ///
-    /// `stature` is the wearer's height against that of the models' person; `ground_known` says whether `ground` is more than a guess; `torso_angle` [rad], `start` the observation at time
-    /// zero.
+    /// `ground` is the one that the controller believes in; `start` the observation at time zero.
     pub fn new(
-        settings: &ReferenceSettings,
-        stature: f64,
+        scenario: &Scenario,
         model: &Model,
         com: ComTrajectory,
         ground: &GroundPlane,
-        ground_known: bool,
-        torso_angle: f64,
         start: &Observation,
     ) -> Self {
+        let (settings, ground_known) = (&scenario.reference, scenario.ground.known);
+        let torso_angle = scenario.controller.planner.torso_angle_deg.to_radians();
         let gravity = model.gravity;
         let feet = match settings.generator {
             Generator::Steps => {
@@ -145,7 +143,7 @@ impl ReferenceGenerator {
             }
             Generator::Stance => Feet::Stance(Stance::new(settings.stance.clone(), ground.clone(), gravity, start)),
             Generator::Walker => Feet::Walker(Box::new(Walker::new(
-                settings.walker.for_stature(stature),
+                settings.walker.for_stature(scenario.wearer.stature()),
                 Sole::of(model),
                 ground.clone(),
                 ground_known,

@@ -6,16 +6,18 @@
 //! the stance foot's heel lifts off.
 
 mod adapt;
+mod feet;
 mod plan;
 mod swing;
 
 use nalgebra::Vector3;
 
-use super::{AngleReference, Footing, ObjectReference, Observation, PointReference, xcom};
+use super::{Footing, ObjectReference, Observation, PointReference, xcom};
 use crate::contact::GroundPlane;
 use crate::feet::Sole;
 use crate::scenario::{Adaptation, WalkerSettings};
 use adapt::{Choice, law};
+use feet::{Flat, Roll};
 use plan::{CopPlan, StepPlan};
 use swing::Motion;
 
@@ -23,8 +25,6 @@ use swing::Motion;
 const STANDING: f64 = 0.02;
 /// Steps shorter than this are at no speed [m].
 const SHORT: f64 = 0.02;
-/// The share of a heel's roll that is done when the foot lifts off: it still turns then.
-const ROLLED: f64 = 0.8;
 /// A step begins at most that long after its touchdown [s].
 const EARLY_S: f64 = 0.05;
 /// Touchdown counts after this share of a swing.
@@ -43,22 +43,6 @@ enum Phase {
     Standing,
     /// On `stance` since a time [s].
     Stepping { stance: usize, since: f64 },
-}
-
-/// A foot that rolls over its toe.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Roll {
-    since: f64,
-    duration: f64,
-    /// At its end [rad].
-    angle: f64,
-}
-
-/// Where a foot is, by the ground below its ankle when it is flat.
-#[derive(Clone, Copy, Debug, Default)]
-struct Flat {
-    x: f64,
-    z: f64,
 }
 
 /// The generator `walker`.
@@ -155,14 +139,6 @@ impl Walker {
             walker.place_foot(foot, start);
         }
         walker
-    }
-
-    /// A foot stands where it is now.
-    fn place_foot(&mut self, foot: usize, observation: &Observation) {
-        let x = observation.feet[foot].x - self.sole.middle();
-        let z = if self.ground_known { self.ground.height_at(x) } else { observation.feet[foot].z };
-        self.placed[foot] = Flat { x, z };
-        self.roll[foot] = None;
     }
 
     /// The speed that is asked for at `time` [s].
@@ -347,40 +323,6 @@ impl Walker {
         }
     }
 
-    fn roll_of(&self, duration: f64) -> Roll {
-        let angle = (self.settings.heel_off_turn * self.place).min(self.settings.heel_off_max_rad);
-        Roll { since: self.time, duration: duration / ROLLED, angle }
-    }
-
-    /// Turns a standing foot over its toe, if it rolls.
-    fn roll_over(&mut self, foot: usize, footing: Footing) {
-        let Some(roll) = self.roll[foot] else { return };
-        let turn = swing::minimum_jerk(self.time - roll.since, roll.duration);
-        let placed = self.placed[foot];
-        self.footing[foot] = footing;
-        let angle = AngleReference {
-            angle: self.ground.slope - roll.angle * turn.value,
-            velocity: -roll.angle * turn.rate,
-            acceleration: -roll.angle * turn.acceleration,
-        };
-        let toe = Vector3::new(placed.x + self.sole.toe, 0.0, placed.z);
-        self.feet[foot] =
-            ObjectReference { angle, point: PointReference { position: toe, ..PointReference::default() } };
-    }
-
-    /// The rear foot leaves the ground as it stands or rolls.
-    fn lift_off(&mut self, stance: usize, observation: &Observation) {
-        let other = 1 - stance;
-        let [angle, rate] = observation.pitch[other];
-        self.pitch = Motion { value: angle, rate, acceleration: 0.0 };
-        // The ankle moves about the toe.
-        let [place, rate, acceleration] = turned([-self.sole.toe, self.sole.ankle], self.pitch).map(|point| point[0]);
-        let toe = self.placed[other].x + self.sole.toe - self.placed[stance].x;
-        self.ankle = Motion { value: toe + place, rate, acceleration };
-        self.roll[other] = None;
-        self.swung = true;
-    }
-
     /// Chooses place and time of landing.
     fn adapt(&mut self, stance: usize, time: f64, step: f64) {
         let settings = &self.settings;
@@ -421,55 +363,6 @@ impl Walker {
             }
         }
         self.plan.end = self.end(self.place);
-    }
-
-    /// The swinging foot `time` [s] after the step's begin.
-    fn swing(&mut self, origin: f64, time: f64, end: f64, phase: f64, step: f64) -> ObjectReference {
-        // Above its place a little before it lands, so that only the descent is left.
-        let left = end - self.settings.settling_s - time + step;
-        let duration = end - self.settings.double_support_s;
-        self.ankle = self.ankle.toward(self.place, left, step);
-        self.pitch = self.pitch.toward(self.ground.slope, left, step);
-        let mut toe = swing::height(phase, duration, self.settings.clearance_m, self.settings.landing_speed_mps);
-        if time > end {
-            // Late: it descends until it finds the ground.
-            let (late, speed) = (time - end, self.settings.landing_speed_mps);
-            let change = self.settings.landing_acceleration_mps2;
-            toe = Motion {
-                value: -late * (speed + 0.5 * change * late),
-                rate: -speed - change * late,
-                acceleration: -change,
-            };
-        }
-        let ankle = turned([self.sole.toe, -self.sole.ankle], self.pitch);
-        let middle = turned([self.sole.middle(), -self.sole.ankle], self.pitch);
-        let x = self.ankle;
-        // The ankle's height follows from the toe's.
-        let z = [toe.value - ankle[0][1], toe.rate - ankle[1][1], toe.acceleration - ankle[2][1]];
-        let ground = self.ground.height_at(origin + x.value + self.sole.middle());
-        let point = |k: usize, x: f64| Vector3::new(x + middle[k][0], 0.0, z[k] + middle[k][1]);
-        ObjectReference {
-            angle: AngleReference {
-                angle: self.pitch.value,
-                velocity: self.pitch.rate,
-                acceleration: self.pitch.acceleration,
-            },
-            point: PointReference {
-                position: point(0, origin + x.value) + ground * Vector3::z(),
-                velocity: point(1, x.rate),
-                acceleration: point(2, x.acceleration),
-            },
-        }
-    }
-
-    /// A foot that stands flat.
-    fn flat(&self, foot: usize) -> ObjectReference {
-        let placed = self.placed[foot];
-        let position = Vector3::new(placed.x + self.sole.middle(), 0.0, placed.z);
-        ObjectReference {
-            angle: AngleReference { angle: self.ground.slope, ..AngleReference::default() },
-            point: PointReference { position, ..PointReference::default() },
-        }
     }
 
     /// The centre of mass: along x as far as it has been commanded, its height follows the step.
@@ -541,12 +434,4 @@ impl Walker {
     pub fn xcom_reference(&self) -> f64 {
         self.xcom_reference
     }
-}
-
-/// A point of a body that turns by `angle`, with velocity and acceleration, from where it is at no angle [m].
-fn turned([x, z]: [f64; 2], angle: Motion) -> [[f64; 2]; 3] {
-    let (sin, cos) = libm::sincos(angle.value);
-    let at = [x * cos - z * sin, x * sin + z * cos];
-    let (rate, change) = (angle.rate, angle.acceleration);
-    [at, [-rate * at[1], rate * at[0]], [-change * at[1] - rate * rate * at[0], change * at[0] - rate * rate * at[1]]]
 }
