@@ -199,3 +199,15 @@ fn what_no_leg_and_no_ground_could_bear_is_refused() {
     let error = episode::run(&loaded.scenario, &model, &[], |_| false).expect_err("the sole is above the ankle");
     assert!(error.to_string().contains("both below it"), "{error}");
 }
+
+#[test]
+fn it_walks_up_and_down_a_known_slope() {
+    for (slope, speed) in [(5.0, 0.5), (-5.0, 0.5), (-5.0, 1.0)] {
+        let sets = [format!("ground.slope_deg={slope}"), format!("reference.walker.speed_mps={speed}")];
+        let run = common::run("feet-walk", &sets.each_ref().map(String::as_str));
+        // Uphill a toe lands hard; the audit says so (docs/walking.md).
+        assert_eq!(run.outcome, Outcome::Completed, "{:?}", run.reason);
+        let measured = (com(&run, 9.9) - com(&run, 5.9)) / 4.0;
+        assert!(measured > 0.8 * speed, "{measured} m/s on {slope} deg");
+    }
+}

@@ -27,10 +27,22 @@ pub(super) struct Flat {
 impl Walker {
     /// A foot stands where it is now.
     pub(super) fn place_foot(&mut self, foot: usize, observation: &Observation) {
-        let x = observation.feet[foot].x - self.sole.middle();
-        let z = if self.ground_known { self.ground.height_at(x) } else { observation.feet[foot].z };
+        let below = observation.feet[foot] - self.along_the_sole(self.sole.middle());
+        let z = if self.ground_known { self.ground.height_at(below.x) } else { below.z };
+        let x = below.x;
         self.placed[foot] = Flat { x, z };
         self.roll[foot] = None;
+    }
+
+    /// A way along the sole of a foot that stands flat [m].
+    fn along_the_sole(&self, way: f64) -> Vector3<f64> {
+        way * self.ground.tangents[0]
+    }
+
+    /// The point of the ground below the ankle of a foot that stands flat.
+    fn below_the_ankle(&self, foot: usize) -> Vector3<f64> {
+        let Flat { x, z } = self.placed[foot];
+        Vector3::new(x, 0.0, z)
     }
 
     /// The roll of a foot that begins now and lifts off after `duration` [s].
@@ -43,14 +55,13 @@ impl Walker {
     pub(super) fn roll_over(&mut self, foot: usize, footing: Footing) {
         let Some(roll) = self.roll[foot] else { return };
         let turn = swing::minimum_jerk(self.time - roll.since, roll.duration);
-        let placed = self.placed[foot];
         self.footing[foot] = footing;
         let angle = AngleReference {
             angle: self.ground.slope - roll.angle * turn.value,
             velocity: -roll.angle * turn.rate,
             acceleration: -roll.angle * turn.acceleration,
         };
-        let toe = Vector3::new(placed.x + self.sole.toe, 0.0, placed.z);
+        let toe = self.below_the_ankle(foot) + self.along_the_sole(self.sole.toe);
         self.feet[foot] =
             ObjectReference { angle, point: PointReference { position: toe, ..PointReference::default() } };
     }
@@ -62,7 +73,7 @@ impl Walker {
         self.pitch = Motion { value: angle, rate, acceleration: 0.0 };
         // The ankle moves about the toe.
         let [place, rate, acceleration] = turned([-self.sole.toe, self.sole.ankle], self.pitch).map(|point| point[0]);
-        let toe = self.placed[other].x + self.sole.toe - self.placed[stance].x;
+        let toe = self.placed[other].x + self.along_the_sole(self.sole.toe).x - self.placed[stance].x;
         self.ankle = Motion { value: toe + place, rate, acceleration };
         self.roll[other] = None;
         self.swung = true;
@@ -73,7 +84,9 @@ impl Walker {
         // Above its place a little before it lands, so that only the descent is left.
         let left = end - self.settings.settling_s - time + step;
         let duration = end - self.settings.double_support_s;
-        self.ankle = self.ankle.toward(self.place, left, step);
+        // The ankle is above its place along the ground's normal.
+        let above = self.place + self.sole.ankle * self.ground.normal.x;
+        self.ankle = self.ankle.toward(above, left, step);
         self.pitch = self.pitch.toward(self.ground.slope, left, step);
         let mut toe = swing::height(phase, duration, self.settings.clearance_m, self.settings.landing_speed_mps);
         if time > end {
@@ -89,9 +102,14 @@ impl Walker {
         let ankle = turned([self.sole.toe, -self.sole.ankle], self.pitch);
         let middle = turned([self.sole.middle(), -self.sole.ankle], self.pitch);
         let x = self.ankle;
-        // The ankle's height follows from the toe's.
-        let z = [toe.value - ankle[0][1], toe.rate - ankle[1][1], toe.acceleration - ankle[2][1]];
-        let ground = self.ground.height_at(origin + x.value + self.sole.middle());
+        // The ankle's height follows from the toe's, which is above the ground below it.
+        let steepness = self.ground.height_at(1.0);
+        let height = |k: usize, toe: f64, x: f64| toe + steepness * (x + ankle[k][0]) - ankle[k][1];
+        let z = [
+            height(0, toe.value, origin + x.value),
+            height(1, toe.rate, x.rate),
+            height(2, toe.acceleration, x.acceleration),
+        ];
         let point = |k: usize, x: f64| Vector3::new(x + middle[k][0], 0.0, z[k] + middle[k][1]);
         ObjectReference {
             angle: AngleReference {
@@ -100,7 +118,7 @@ impl Walker {
                 acceleration: self.pitch.acceleration,
             },
             point: PointReference {
-                position: point(0, origin + x.value) + ground * Vector3::z(),
+                position: point(0, origin + x.value),
                 velocity: point(1, x.rate),
                 acceleration: point(2, x.acceleration),
             },
@@ -109,8 +127,7 @@ impl Walker {
 
     /// A foot that stands flat.
     pub(super) fn flat(&self, foot: usize) -> ObjectReference {
-        let placed = self.placed[foot];
-        let position = Vector3::new(placed.x + self.sole.middle(), 0.0, placed.z);
+        let position = self.below_the_ankle(foot) + self.along_the_sole(self.sole.middle());
         ObjectReference {
             angle: AngleReference { angle: self.ground.slope, ..AngleReference::default() },
             point: PointReference { position, ..PointReference::default() },

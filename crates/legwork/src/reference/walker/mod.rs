@@ -373,6 +373,10 @@ impl Walker {
             velocity: Vector3::new(self.speed, 0.0, 0.0),
             acceleration: Vector3::zeros(),
         };
+        // Parallel to the ground, so that the pendulum's frequency stays (Kajita et al. 2001).
+        let steepness = self.ground.height_at(1.0);
+        com.velocity.z = steepness * self.speed;
+        com.acceleration.z = steepness * self.omega * self.omega * (self.com - self.cop);
         if let Phase::Stepping { since, .. } = self.phase {
             // Lowest in the middle of double support.
             let rate = std::f64::consts::TAU / self.plan.cop.time[3];
