@@ -117,7 +117,6 @@ pub struct Controller {
     solver: Solver,
     stance: Vec<bool>,
     torque_before: Vec<f64>,
-    has_ticked: bool,
     tick: Tick,
 }
 
@@ -148,7 +147,6 @@ impl Controller {
             solver: Solver::new(layout.variables(), layout.rows()),
             stance: vec![false; model.contacts.len()],
             torque_before: vec![0.0; layout.actuated.len()],
-            has_ticked: false,
             tick: Tick {
                 status: Status::Optimal,
                 conflict: Vec::with_capacity(layout.variables() + layout.rows()),
@@ -179,7 +177,6 @@ impl Controller {
         self.planner.plan(&self.model, dynamics, &self.feet, &estimate.v, self.generator.reference());
         done(Part::Reference);
         self.solve(estimate, dynamics, &mut done);
-        self.has_ticked = true;
         self.name_limits();
         done(Part::Reading);
         &self.tick
@@ -222,7 +219,8 @@ impl Controller {
             weights: &settings.weights,
             limits: &settings.limits,
             tracking: &settings.tracking,
-            torque_before: self.has_ticked.then_some(&self.torque_before[..]),
+            // Each tick solves at least one program.
+            torque_before: (self.tick.solves > 0).then_some(&self.torque_before[..]),
             period: settings.period_s,
             relaxed: Relaxation::default(),
         };

@@ -2,8 +2,7 @@
 //!
 //! All masses of these models are shares of the person's mass, all lengths shares of the height (Winter), so that another
 //! person's are found by proportion: a mass by the ratio m of the masses, a length by the ratio h of the heights, an inertia
-//! by m h², a
-//! joint's strength by m h.
+//! by m h², a joint's strength by m h.
 
 use legwork_rbd::Model;
 

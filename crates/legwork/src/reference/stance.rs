@@ -122,7 +122,7 @@ impl Stance {
 }
 
 /// From 0 to 1 within `duration` [s] from `begin` [s], with two derivatives. Flash and Hogan 1985
-fn minimum_jerk(time: f64, begin: f64, duration: f64) -> [f64; 3] {
+pub(super) fn minimum_jerk(time: f64, begin: f64, duration: f64) -> [f64; 3] {
     let s = ((time - begin) / duration).clamp(0.0, 1.0);
     [
         s * s * s * (10.0 + s * (-15.0 + 6.0 * s)),

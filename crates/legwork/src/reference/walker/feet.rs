@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{Footing, Motion, Observation, Walker, swing};
+use crate::reference::stance::minimum_jerk;
 use crate::reference::{AngleReference, ObjectReference, PointReference};
 
 /// The share of a heel's roll that is done when the foot lifts off: it still turns then.
@@ -54,7 +55,7 @@ impl Walker {
     /// Turns a standing foot over its toe, if it rolls.
     pub(super) fn roll_over(&mut self, foot: usize, footing: Footing) {
         let Some(roll) = self.roll[foot] else { return };
-        let turn = swing::minimum_jerk(self.time - roll.since, roll.duration);
+        let turn = Motion::from(minimum_jerk(self.time, roll.since, roll.duration));
         self.footing[foot] = footing;
         let angle = AngleReference {
             angle: self.ground.slope - roll.angle * turn.value,

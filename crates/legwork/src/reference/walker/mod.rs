@@ -12,6 +12,7 @@ mod swing;
 
 use nalgebra::Vector3;
 
+use super::stance::minimum_jerk;
 use super::{Footing, ObjectReference, Observation, PointReference, xcom};
 use crate::contact::GroundPlane;
 use crate::feet::Sole;
@@ -23,8 +24,8 @@ use swing::Motion;
 
 /// Slower than this is standing [m/s].
 const STANDING: f64 = 0.02;
-/// Steps shorter than this are at no speed [m].
-const SHORT: f64 = 0.02;
+/// Feet that are closer than this stand together [m].
+const TOGETHER: f64 = 0.04;
 /// A step begins at most that long after its touchdown [s].
 const EARLY_S: f64 = 0.05;
 /// Touchdown counts after this share of a swing.
@@ -63,8 +64,9 @@ pub struct Walker {
     /// Where the swinging foot is to land [m].
     place: f64,
     speed: f64,
-    /// Where the centre of mass should be, and since when that is counted [m, s].
+    /// Where the centre of mass should be [m].
     way: f64,
+    /// Time of the latest update [s].
     time: f64,
     bob: f64,
     heel_off: f64,
@@ -161,6 +163,11 @@ impl Walker {
         self.way += self.speed * step;
         self.com = observation.com.x;
         self.xcom = xcom::xcom(observation.com.x, observation.com_velocity.x, self.omega);
+        self.act(step, observation);
+    }
+
+    /// Stands or walks, `step` [s] after the tick before; once more, with none, in a tick in which a step begins.
+    fn act(&mut self, step: f64, observation: &Observation) {
         match self.phase {
             Phase::Standing => self.stand(observation),
             Phase::Stepping { stance, since } => self.walk(stance, self.time - since, step, observation),
@@ -265,7 +272,7 @@ impl Walker {
         let phase = (time - lift_off) / (end - lift_off);
         if self.swung && phase > LATE && observation.load[other] > self.settings.touchdown_force_n {
             self.touch_down(stance, time, observation);
-            return self.update_same_tick(observation);
+            return self.act(0.0, observation);
         }
 
         self.xcom_reference = origin + self.plan.xcom(time);
@@ -295,14 +302,6 @@ impl Walker {
         }
     }
 
-    /// The rest of a tick in which a step began.
-    fn update_same_tick(&mut self, observation: &Observation) {
-        match self.phase {
-            Phase::Standing => self.stand(observation),
-            Phase::Stepping { stance, since } => self.walk(stance, self.time - since, 0.0, observation),
-        }
-    }
-
     /// The foot that swung stands from now on.
     fn touch_down(&mut self, stance: usize, elapsed: f64, observation: &Observation) {
         let other = 1 - stance;
@@ -314,7 +313,7 @@ impl Walker {
         let stops = self.wanted_speed(self.time).abs() <= STANDING && !self.settings.march;
         let ahead = self.xcom - self.placed[other].x;
         let holds = (self.sole.heel..self.sole.toe).contains(&ahead);
-        if stops && self.speed.abs() <= STANDING && apart < 2.0 * SHORT && holds && self.roll[stance].is_none() {
+        if stops && self.speed.abs() <= STANDING && apart < TOGETHER && holds && self.roll[stance].is_none() {
             (self.phase, self.speed) = (Phase::Standing, 0.0);
         } else {
             // A foot that lands a little early waits for its step to begin, so that the plan goes on without a jump.
@@ -383,7 +382,7 @@ impl Walker {
             let (sin, cos) = libm::sincos(rate * (self.time - since - 0.5 * self.settings.double_support_s));
             let half = 0.5 * self.bob;
             let (left, duration) = (self.height[0] - self.height[1], self.choice.duration);
-            let change = swing::minimum_jerk(self.time - since, duration);
+            let change = Motion::from(minimum_jerk(self.time, since, duration));
             com.position.z += left * (1.0 - change.value);
             com.velocity.z -= left * change.rate;
             com.acceleration.z -= left * change.acceleration;

@@ -9,6 +9,12 @@ pub(super) struct Motion {
     pub(super) acceleration: f64,
 }
 
+impl From<[f64; 3]> for Motion {
+    fn from([value, rate, acceleration]: [f64; 3]) -> Self {
+        Self { value, rate, acceleration }
+    }
+}
+
 impl Motion {
     /// At rest.
     pub(super) fn rest(value: f64) -> Self {
@@ -74,19 +80,10 @@ pub(super) fn height(phase: f64, duration: f64, clearance: f64, landing: f64) ->
     }
 }
 
-/// From 0 to 1 in `duration` [s], `time` [s] after its begin. Flash and Hogan 1985
-pub(super) fn minimum_jerk(time: f64, duration: f64) -> Motion {
-    let s = (time / duration).clamp(0.0, 1.0);
-    Motion {
-        value: s * s * s * (10.0 + s * (-15.0 + 6.0 * s)),
-        rate: 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration,
-        acceleration: 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (duration * duration),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reference::stance::minimum_jerk;
 
     #[test]
     fn a_quintic_planned_again_and_again_arrives_at_rest() {
@@ -107,7 +104,7 @@ mod tests {
     fn derivatives_agree_with_differences() {
         let e = 1e-6;
         let curves: [&dyn Fn(f64) -> Motion; 3] =
-            [&|t| height(t / 0.5, 0.5, 0.04, 0.2), &|t| minimum_jerk(t, 0.5), &|t| {
+            [&|t| height(t / 0.5, 0.5, 0.04, 0.2), &|t| Motion::from(minimum_jerk(t, 0.0, 0.5)), &|t| {
                 Motion { value: 0.1, rate: -0.5, acceleration: 2.0 }.toward(0.6, 0.5, t)
             }];
         for curve in curves {
