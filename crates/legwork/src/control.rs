@@ -7,13 +7,14 @@
 use legwork_qp::{Constraint, Problem, Solver, Status};
 use legwork_rbd::{Base, Dynamics, Model};
 
-use crate::contact::GroundPlane;
+use crate::contact::Surface;
 use crate::error::Error;
 use crate::feet::{FeetMotion, Footing, Sole};
 use crate::planner::MotionReferencePlanner;
 use crate::qp::{self, Inputs, Layout, Relaxation, Solution, bounds, layout};
 use crate::reference::{ComTrajectory, Observation, Reference, ReferenceGenerator};
 use crate::scenario::{ControllerSettings, Generator, Scenario, Tracking};
+use crate::terrain::Terrain;
 use crate::wearer;
 
 /// What the controller is told of the robot.
@@ -108,7 +109,9 @@ pub struct Tick {
 pub struct Controller {
     settings: ControllerSettings,
     model: Model,
-    ground: GroundPlane,
+    terrain: Terrain,
+    /// What is below each contact point.
+    ground: Vec<Surface>,
     feet: FeetMotion,
     generator: ReferenceGenerator,
     planner: MotionReferencePlanner,
@@ -128,19 +131,14 @@ impl Controller {
     pub fn new(scenario: &Scenario, model: &Model, samples: &[[f64; 3]], start: &Estimate) -> Result<Self, Error> {
         check_model(model, scenario.reference.generator)?;
         let settings = wearer::controller(scenario, model);
-        let (friction, slope_deg) = if scenario.ground.known {
-            (scenario.ground.friction, scenario.ground.slope_deg)
-        } else {
-            (settings.assumed_friction, settings.assumed_slope_deg)
-        };
-        let ground = GroundPlane::new(model, friction, slope_deg.to_radians());
+        let terrain = Terrain::believed(scenario, model);
         let mut dynamics = Dynamics::new(model);
         dynamics.update(model, &start.q, &start.v);
         let mut feet = FeetMotion::new(model);
         feet.update(model, &dynamics);
-        let com = ComTrajectory::new(&scenario.reference.com, samples, dynamics.com, &ground)?;
-        let generator = ReferenceGenerator::new(scenario, model, com, &ground, &observe(&dynamics, &feet, start));
-        let layout = Layout::new(settings.form, &settings.tracking, model, &ground);
+        let com = ComTrajectory::new(&scenario.reference.com, samples, dynamics.com, &terrain)?;
+        let generator = ReferenceGenerator::new(scenario, model, com, &terrain, &observe(&dynamics, &feet, start));
+        let layout = Layout::new(settings.form, &settings.tracking, model);
         Ok(Self {
             planner: MotionReferencePlanner::new(&settings.planner, model),
             problem: Problem::new(layout.variables(), layout.rows()),
@@ -159,7 +157,8 @@ impl Controller {
             },
             settings,
             model: model.clone(),
-            ground,
+            ground: vec![*terrain.base(); model.contacts.len()],
+            terrain,
             feet,
             generator,
             layout,
@@ -187,15 +186,21 @@ impl Controller {
         self.feet.update(&self.model, dynamics);
         self.generator.update(&observe(dynamics, &self.feet, estimate));
         let footing = &self.generator.reference().footing;
-        for (foot, footing) in footing.iter().enumerate().filter(|(_, footing)| footing.is_on_toe()) {
+        for (foot, footing) in footing.iter().enumerate().filter(|(_, footing)| footing.is_on_an_end()) {
             self.feet.place(&self.model, dynamics, foot, *footing);
+        }
+        if !self.terrain.is_plane() {
+            let contacts = &self.model.contacts;
+            self.terrain.below(&dynamics.contact_positions, |contact| contacts[contact].foot, &mut self.ground);
         }
         for (contact, point) in self.model.contacts.iter().enumerate() {
             self.stance[contact] = estimate.touching[contact]
                 && match footing.get(point.foot) {
                     // The distance rule (4.10) alone lets the swing foot push until it has left the ground.
                     Some(Footing::Swings) => false,
-                    Some(footing) if footing.is_on_toe() => self.feet.toe(point.foot).contains(&contact),
+                    Some(&footing) if footing.is_on_an_end() => {
+                        self.feet.points(point.foot, footing).contains(&contact)
+                    }
                     _ => true,
                 };
         }
@@ -325,8 +330,8 @@ impl Controller {
         &self.planner
     }
 
-    /// The ground as the controller knows it.
-    pub fn ground(&self) -> &GroundPlane {
+    /// The ground below each contact point, as the controller knows it.
+    pub fn ground(&self) -> &[Surface] {
         &self.ground
     }
 
@@ -338,6 +343,7 @@ impl Controller {
 
 /// What the reference generator sees; a foot touches the ground if one of its contact points does.
 fn observe(dynamics: &Dynamics, feet: &FeetMotion, estimate: &Estimate) -> Observation {
+    let sum = |contacts: &[usize]| contacts.iter().map(|&contact| estimate.load[contact]).sum();
     Observation {
         time: estimate.time,
         com: dynamics.com,
@@ -348,7 +354,8 @@ fn observe(dynamics: &Dynamics, feet: &FeetMotion, estimate: &Estimate) -> Obser
             [libm::atan2(ahead.z, ahead.x), -feet.angular_velocity[foot].y]
         }),
         touching: [0, 1].map(|foot| feet.contacts(foot).iter().any(|&contact| estimate.touching[contact])),
-        load: [0, 1].map(|foot| feet.contacts(foot).iter().map(|&contact| estimate.load[contact]).sum()),
+        load: [0, 1].map(|foot| sum(feet.contacts(foot))),
+        end_load: [0, 1].map(|foot| feet.ends(foot).each_ref().map(|end| sum(end))),
     }
 }
 

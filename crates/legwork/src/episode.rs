@@ -5,7 +5,6 @@ use std::time::Instant;
 use legwork_qp::{Constraint, Status};
 use legwork_rbd::{Dynamics, Model};
 
-use crate::contact::GroundPlane;
 use crate::control::{Controller, Estimate, check_model};
 use crate::diagnosis::{self, Diagnosis, Fall};
 use crate::error::Error;
@@ -17,6 +16,7 @@ use crate::sim::Simulator;
 use crate::sim::audit::Audit;
 use crate::sim::sensors::Sensors;
 use crate::start::start_pose;
+use crate::terrain::Terrain;
 
 /// How a run ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -131,7 +131,7 @@ impl Episode {
     /// none that the controller can drive.
     pub fn new(scenario: &Scenario, model: &Model, samples: &[[f64; 3]]) -> Result<Self, Error> {
         check_model(model, scenario.reference.generator)?;
-        let ground = GroundPlane::of(&scenario.ground, model);
+        let ground = Terrain::of(scenario, model);
         let q = start_pose(scenario, model, &ground)?;
         let simulator = Simulator::new(scenario, model, q.as_slice())?;
         let touching = (0..model.contacts.len()).map(|contact| simulator.touching(contact)).collect();
@@ -237,9 +237,9 @@ impl Episode {
         // All of the log's feet are the middles of their contact points, also where the reference is of the toe.
         let feet = [0, 1].map(|foot| {
             let mut point = reference.feet[foot].point;
-            if reference.footing[foot].is_on_toe() {
+            if reference.footing[foot].is_on_an_end() {
                 let motion = self.controller.feet();
-                point.position += places(motion.contacts(foot)) - places(motion.toe(foot));
+                point.position += places(motion.contacts(foot)) - places(motion.points(foot, reference.footing[foot]));
             }
             point
         });

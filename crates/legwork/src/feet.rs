@@ -51,14 +51,16 @@ pub enum Footing {
     Rolls,
     /// As [`Footing::Rolls`], while it hands its load to the other foot.
     Trails,
+    /// It has landed on its heel alone, and its toe comes down.
+    OnHeel,
     /// It is in the air.
     Swings,
 }
 
 impl Footing {
-    /// Whether the foot stands on its toe alone.
-    pub fn is_on_toe(self) -> bool {
-        matches!(self, Self::Rolls | Self::Trails)
+    /// Whether the foot stands on one of its ends alone.
+    pub fn is_on_an_end(self) -> bool {
+        matches!(self, Self::Rolls | Self::Trails | Self::OnHeel)
     }
 }
 
@@ -95,9 +97,19 @@ impl Sole {
 struct Foot {
     body: usize,
     contacts: Vec<usize>,
-    /// Those at the toe.
-    toe: Vec<usize>,
+    /// Those at the heel, and those at the toe.
+    ends: [Vec<usize>; 2],
     rows: FootRows,
+}
+
+impl Foot {
+    fn points(&self, footing: Footing) -> &[usize] {
+        match footing {
+            Footing::Stands | Footing::Swings => &self.contacts,
+            Footing::OnHeel => &self.ends[0],
+            Footing::Rolls | Footing::Trails => &self.ends[1],
+        }
+    }
 }
 
 /// Where the feet are and how they move; preallocated. Valid after [`FeetMotion::update`].
@@ -126,9 +138,11 @@ impl FeetMotion {
             let contacts: Vec<usize> =
                 (0..model.contacts.len()).filter(|&contact| model.contacts[contact].foot == index).collect();
             let place = |&contact: &usize| model.contacts[contact].position.x;
-            let front = contacts.iter().map(place).fold(f64::NEG_INFINITY, f64::max);
-            let toe = contacts.iter().copied().filter(|contact| place(contact) > front - 1e-3).collect();
-            Foot { body: contacts.first().map_or(0, |&contact| model.contacts[contact].body), contacts, toe, rows }
+            let ends = [-1.0, 1.0].map(|side| {
+                let far = contacts.iter().map(|contact| side * place(contact)).fold(f64::NEG_INFINITY, f64::max);
+                contacts.iter().copied().filter(|contact| side * place(contact) > far - 1e-3).collect()
+            });
+            Foot { body: contacts.first().map_or(0, |&contact| model.contacts[contact].body), contacts, ends, rows }
         };
         let feet: Vec<Foot> = FootRows::of(model).into_iter().enumerate().map(foot).collect();
         let (count, rows) = (feet.len(), FootRows::count(model));
@@ -154,9 +168,14 @@ impl FeetMotion {
         &self.feet[foot].contacts
     }
 
-    /// The contact points at the toe of a foot.
-    pub fn toe(&self, foot: usize) -> &[usize] {
-        &self.feet[foot].toe
+    /// The contact points that a foot stands on.
+    pub fn points(&self, foot: usize, footing: Footing) -> &[usize] {
+        self.feet[foot].points(footing)
+    }
+
+    /// The contact points at the heel and those at the toe of a foot.
+    pub fn ends(&self, foot: usize) -> &[Vec<usize>; 2] {
+        &self.feet[foot].ends
     }
 
     /// Takes the feet from the `dynamics` of `model`. Allocates nothing.
@@ -180,12 +199,12 @@ impl FeetMotion {
         }
     }
 
-    /// The place of a foot: where it rolls, the centre of the contact points at its toe, else of all of them. After
+    /// The place of a foot: the centre of the contact points that it stands on. After
     /// [`FeetMotion::update`], which takes all of them. Allocates nothing.
     pub fn place(&mut self, model: &Model, dynamics: &Dynamics, index: usize, footing: Footing) {
         let d = model.linear_axes().len();
         let foot = &self.feet[index];
-        let points = if footing.is_on_toe() { &foot.toe } else { &foot.contacts };
+        let points = foot.points(footing);
         let share = 1.0 / points.len() as f64;
         let centre = |of: &[Vector3<f64>]| share * points.iter().map(|&k| of[k]).sum::<Vector3<f64>>();
         self.position[index] = centre(&dynamics.contact_positions);

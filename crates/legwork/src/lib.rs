@@ -38,4 +38,5 @@ pub mod settings;
 pub mod sim;
 pub mod start;
 pub mod study;
+pub mod terrain;
 pub mod wearer;

@@ -37,6 +37,7 @@ const SCENARIOS: &[Entry] = &[
     ("exo-sway", include_str!("../../../scenarios/exo-sway.toml")),
     ("exo-lift", include_str!("../../../scenarios/exo-lift.toml")),
     ("feet-walk", include_str!("../../../scenarios/feet-walk.toml")),
+    ("walk-uneven", include_str!("../../../scenarios/walk-uneven.toml")),
     ("push-walking", include_str!("../../../scenarios/push-walking.toml")),
     ("stop-and-go", include_str!("../../../scenarios/stop-and-go.toml")),
     ("stand-push", include_str!("../../../scenarios/stand-push.toml")),

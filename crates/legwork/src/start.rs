@@ -3,10 +3,10 @@
 use legwork_rbd::{Base, Dynamics, Model};
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use crate::contact::GroundPlane;
 use crate::error::Error;
-use crate::feet::{FeetMotion, pitched, rotation_error};
+use crate::feet::{FeetMotion, Sole, pitched, rotation_error};
 use crate::scenario::Scenario;
+use crate::terrain::Terrain;
 
 /// Largest error of the pose that counts as solved [m, rad].
 const TOLERANCE: f64 = 1e-12;
@@ -16,14 +16,18 @@ const TOLERANCE: f64 = 1e-12;
 ///
 /// # Errors
 /// No such pose exists: it names what could not be met.
-pub fn start_pose(scenario: &Scenario, model: &Model, ground: &GroundPlane) -> Result<DVector<f64>, Error> {
+pub fn start_pose(scenario: &Scenario, model: &Model, ground: &Terrain) -> Result<DVector<f64>, Error> {
     let start = &scenario.start;
     let stature = scenario.wearer.stature();
     let on_ground = |x: f64, y: f64| Vector3::new(stature * x, y, ground.height_at(stature * x));
+    let sole = Sole::of(model);
+    let half = 0.5 * (sole.toe - sole.heel);
+    let lies = [start.right_foot_x_m, start.left_foot_x_m].map(|x| ground.below_a_sole(stature * x, [-half, half]));
+    let foot = |index: usize, x: f64, y: f64| Vector3::new(stature * x, y, lies[index].z);
     let aside = if model.is_planar() { 0.0 } else { 0.5 * start.feet_width_m };
     let target = Target {
-        feet: [on_ground(start.right_foot_x_m, -aside), on_ground(start.left_foot_x_m, aside)],
-        slope: ground.slope,
+        feet: [foot(0, start.right_foot_x_m, -aside), foot(1, start.left_foot_x_m, aside)],
+        slope: lies.map(|line| libm::atan(line.steepness)),
         com: on_ground(start.com_x_m, 0.0) + Vector3::z() * (stature * start.com_height_m),
         torso: start.torso_angle_deg.to_radians(),
     };
@@ -47,7 +51,7 @@ pub fn start_pose(scenario: &Scenario, model: &Model, ground: &GroundPlane) -> R
 struct Target {
     feet: [Vector3<f64>; 2],
     /// What feet with an orientation lie flat on [rad].
-    slope: f64,
+    slope: [f64; 2],
     com: Vector3<f64>,
     torso: f64,
 }
@@ -114,7 +118,7 @@ fn residual(model: &Model, target: &Target, dynamics: &mut Dynamics, q: &DVector
         for (row, axis) in rows.linear.clone().zip(linear) {
             error[row] = axis.dot(&(place - feet.position[foot]));
         }
-        let turn = rotation_error(&feet.rotation[foot], &pitched(target.slope));
+        let turn = rotation_error(&feet.rotation[foot], &pitched(target.slope[foot]));
         for (row, axis) in rows.angular.clone().zip(angular) {
             error[row] = axis.dot(&turn);
         }

@@ -1,12 +1,13 @@
 //! From state to goals: the planner's equations, the step state machine, the friction cone on a slope.
 
-use legwork::contact::GroundPlane;
+use legwork::contact::friction_rows;
 use legwork::feet::FeetMotion;
 use legwork::library;
 use legwork::planner::MotionReferencePlanner;
 use legwork::reference::step::{Phase, StepMachine};
 use legwork::reference::{Observation, PointReference, Reference};
 use legwork::scenario::{Damping, LeastStep, Replan, Scenario, StepSettings};
+use legwork::terrain::Terrain;
 use legwork_rbd::{Dynamics, Model};
 use nalgebra::Vector3;
 
@@ -76,16 +77,16 @@ fn goals_are_equations_4_3_to_4_6() {
 #[test]
 fn friction_rows_are_equations_4_12_to_4_16_on_a_slope() {
     let (friction, slope) = (0.6, 0.2_f64);
-    let ground = GroundPlane::new(&humanoid(), friction, slope);
+    let ground = Terrain::plane(&humanoid(), friction, slope);
     let (normal, tangent) = ([-slope.sin(), slope.cos()], [slope.cos(), slope.sin()]);
     let expected = [
         [-normal[0], -normal[1]],
         [tangent[0] - friction * normal[0], tangent[1] - friction * normal[1]],
         [-tangent[0] - friction * normal[0], -tangent[1] - friction * normal[1]],
     ];
-    assert_eq!(ground.friction_rows(), 3);
+    assert_eq!(friction_rows(&humanoid()), 3);
     for (row, expected) in expected.iter().enumerate() {
-        let found = ground.friction_row(row);
+        let found = ground.base().friction_row(row);
         assert!((found.x - expected[0]).abs() < 1e-15 && (found.z - expected[1]).abs() < 1e-15, "row {row}");
     }
     assert!((ground.gap(&Vector3::new(1.0, 0.0, ground.height_at(1.0)))).abs() < 1e-15);
@@ -113,13 +114,14 @@ impl Walker {
             pitch: [[0.0; 2]; 2],
             touching: [true, true],
             load: [0.0; 2],
+            end_load: [[0.0; 2]; 2],
         };
         let com = PointReference {
             position: Vector3::new(0.25, 0.0, 0.9),
             velocity: Vector3::x() * reference_speed,
             ..PointReference::default()
         };
-        let ground = GroundPlane::new(&humanoid(), 0.85, 0.0);
+        let ground = Terrain::plane(&humanoid(), 0.85, 0.0);
         Self { machine: StepMachine::new(settings, ground, true, GRAVITY, &observation), observation, com }
     }
 

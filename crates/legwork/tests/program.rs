@@ -24,7 +24,7 @@ struct State {
 
 impl State {
     fn layout(&self, form: QpForm) -> Layout {
-        Layout::new(form, &self.scenario.controller.tracking, &self.model, self.controller.ground())
+        Layout::new(form, &self.scenario.controller.tracking, &self.model)
     }
 
     fn build(&self, layout: &Layout, change: impl FnOnce(&mut Scenario)) -> Problem {
@@ -59,7 +59,7 @@ impl State {
     fn solve(&self, form: QpForm, change: impl Fn(&mut Scenario)) -> (Status, Solution, Problem, Solver) {
         let mut scenario = self.scenario.clone();
         change(&mut scenario);
-        let layout = Layout::new(form, &scenario.controller.tracking, &self.model, self.controller.ground());
+        let layout = Layout::new(form, &scenario.controller.tracking, &self.model);
         let problem = self.build(&layout, &change);
         let mut solver = Solver::new(layout.variables(), layout.rows());
         let status = solver.solve(&problem);

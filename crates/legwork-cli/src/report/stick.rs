@@ -1,8 +1,8 @@
 //! The stick figure: where its links, marks and forces are at a moment. Thesis Figure 6.3
 
-use legwork::contact::GroundPlane;
 use legwork::episode::Run;
 use legwork::log::Field;
+use legwork::terrain::Terrain;
 use legwork_rbd::{Dynamics, Model};
 use maud::{Markup, html};
 use nalgebra::Vector3;
@@ -110,17 +110,16 @@ pub(super) struct Pose {
 pub(super) struct Poses<'a> {
     pub(super) run: &'a Run,
     pub(super) skeleton: Skeleton,
-    pub(super) ground: GroundPlane,
+    pub(super) ground: Terrain,
     dynamics: Dynamics,
 }
 
 impl<'a> Poses<'a> {
     pub(super) fn new(run: &'a Run) -> Self {
-        let ground = &run.scenario.ground;
         Self {
             run,
             skeleton: Skeleton::new(run),
-            ground: GroundPlane::new(&run.model, ground.friction, ground.slope_deg.to_radians()),
+            ground: Terrain::of(&run.scenario, &run.model),
             dynamics: Dynamics::new(&run.model),
         }
     }
@@ -174,7 +173,8 @@ impl<'a> Poses<'a> {
     /// Width of a friction cone at its height [1]: as both its tangents.
     pub(super) fn cone(&self) -> [Planar; 2] {
         [-1.0, 1.0].map(|side: f64| {
-            let edge = self.ground.normal + side * self.ground.friction.min(5.0) * self.ground.tangents[0];
+            let ground = self.ground.base();
+            let edge = ground.normal + side * ground.friction.min(5.0) * ground.tangents()[0];
             let unit = edge / edge.norm();
             [unit.x, unit.z]
         })
@@ -267,15 +267,16 @@ impl View {
     }
 
     /// The ground from `from` to `to` [m] with a tick and a number at each multiple of `step`, `deep` pixels deep.
-    pub(super) fn ground(&self, ground: &GroundPlane, [from, to]: Planar, step: f64, deep: f64) -> Markup {
+    pub(super) fn ground(&self, ground: &Terrain, [from, to]: Planar, step: f64, deep: f64) -> Markup {
         let at = |x: f64| self.pixel([x, ground.height_at(x)]);
-        let ends = [at(from), at(to)];
+        let surface: Vec<Planar> = ground.knots([from, to]).into_iter().map(at).collect();
         let below = |[x, y]: Planar| [x, y + deep];
+        let ends = [surface[surface.len() - 1], surface[0]].map(below);
         let ticks = super::scale::multiples(from, to, step);
         html! {
-            path class="ground" d={ (svg::path(&[vec![ends[0], ends[1], below(ends[1]), below(ends[0])]])) "Z" } {}
+            path class="ground" d={ (svg::path(&[surface.iter().copied().chain(ends).collect()])) "Z" } {}
             path class="surface" d={
-                (svg::path(&[ends.to_vec()]))
+                (svg::path(std::slice::from_ref(&surface)))
                 @for &tick in &ticks { "M" (Px(at(tick)[0])) " " (Px(at(tick)[1])) "v5" }
             } {}
             g class="ticks" text-anchor="middle" {

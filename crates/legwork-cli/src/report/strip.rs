@@ -1,8 +1,8 @@
 //! Poses side by side. Thesis Figure 6.3
 
-use legwork::contact::GroundPlane;
 use legwork::episode::Run;
 use legwork::scenario::Push;
+use legwork::terrain::Terrain;
 use legwork_rbd::Model;
 use maud::html;
 
@@ -24,7 +24,7 @@ pub(super) struct Strip {
     poses: Vec<Pose>,
     skeleton: Skeleton,
     model: Model,
-    ground: GroundPlane,
+    ground: Terrain,
     view: View,
     height: f64,
     keys: Vec<Key>,

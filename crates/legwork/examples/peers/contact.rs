@@ -4,11 +4,11 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
 
-use legwork::contact::GroundPlane;
 use legwork::control::{Estimate, Fallback};
 use legwork::scenario_file;
 use legwork::sim::Simulator;
 use legwork::start::start_pose;
+use legwork::terrain::Terrain;
 use legwork_rbd::Dynamics;
 
 use crate::files::{Table, answer};
@@ -44,7 +44,7 @@ fn tell(what: &str, estimates: &[&Estimate]) {
 pub(crate) fn start(scenario: &str, out: &Path) -> Result<(), Box<dyn Error>> {
     let loaded = scenario_file::load(scenario, &[])?;
     let model = loaded.model()?;
-    let q = start_pose(&loaded.scenario, &model, &GroundPlane::of(&loaded.scenario.ground, &model))?;
+    let q = start_pose(&loaded.scenario, &model, &Terrain::of(&loaded.scenario, &model))?;
     let mut table = Table::new(q.len());
     table.push(q.iter().copied());
     Ok(table.write(out)?)

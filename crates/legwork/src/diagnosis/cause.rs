@@ -154,6 +154,10 @@ pub enum What {
         foot: String,
         /// How far [m].
         by: f64,
+        /// The friction where it began.
+        friction: f64,
+        /// What the controller counted on there.
+        believed: f64,
     },
     /// A swinging foot found no ground at the end of its path.
     MissedGround {
@@ -161,6 +165,8 @@ pub enum What {
         foot: String,
         /// How long its step lasted [s].
         lasted: f64,
+        /// How much lower the ground is than the controller believed [m].
+        lower: f64,
     },
     /// The XcoM went out of the reach of all steps to come.
     OutOfReach {

@@ -5,13 +5,13 @@ use std::ops::Range;
 use legwork_rbd::Model;
 
 use super::FirstCause;
-use crate::contact::GroundPlane;
 use crate::control::Fallback;
 use crate::feet::FootRows;
 use crate::log::{Field, Log};
 use crate::qp::Layout;
 use crate::reference::{swing, xcom};
 use crate::scenario::Scenario;
+use crate::terrain::Terrain;
 
 /// A foot carries load from this share of the robot's weight on; less than that drags without effect.
 const LOADED: f64 = 0.1;
@@ -41,7 +41,8 @@ pub(super) struct Evidence<'a> {
     pub(super) log: &'a Log,
     pub(super) stretches: Vec<Stretch>,
     pub(super) saturations: Vec<Saturation>,
-    ground: GroundPlane,
+    ground: Terrain,
+    believed: Terrain,
     axes: usize,
     feet: Vec<FootRows>,
 }
@@ -49,10 +50,10 @@ pub(super) struct Evidence<'a> {
 impl<'a> Evidence<'a> {
     pub(super) fn new(scenario: &'a Scenario, model: &'a Model, log: &'a Log, layout: &Layout) -> Self {
         let axes = model.linear_axes().len();
-        let ground = GroundPlane::of(&scenario.ground, model);
+        let (ground, believed) = (Terrain::of(scenario, model), Terrain::believed(scenario, model));
         let (stretches, saturations) = (stretches(log), saturations(model, layout));
         let feet = FootRows::of(model);
-        Self { scenario, model, log, stretches, saturations, ground, axes, feet }
+        Self { scenario, model, log, stretches, saturations, ground, believed, axes, feet }
     }
 
     pub(super) fn time(&self, i: usize) -> f64 {
@@ -159,15 +160,19 @@ impl<'a> Evidence<'a> {
         ticks.filter(|&i| self.is_saturated(saturation, i)).count() as f64 / count
     }
 
-    /// How far a standing foot slid under load in `ticks` [m]; one that swings drags at most.
+    /// How far a standing foot slid under load in `ticks` [m], where the ground holds less than the controller believes;
+    /// one that swings drags at most.
     pub(super) fn slide(&self, ticks: Range<usize>, foot: usize) -> f64 {
-        let normal = self.axes * (foot + 1) - 1;
+        let vertical = self.axes - 1;
         let loaded = |i: usize| {
             let stands = self.log.get(i, Field::Swing)[0] != foot as f64;
-            stands && self.log.get(i, Field::GrfSimulated)[normal] > LOADED * self.weight()
+            let forces = self.log.get(i, Field::GrfSimulated).chunks_exact(self.axes).zip(&self.model.contacts);
+            let load: f64 = forces.filter(|(_, contact)| contact.foot == foot).map(|(force, _)| force[vertical]).sum();
+            let [friction, believed] = self.friction_below(i, foot);
+            stands && load > LOADED * self.weight() && believed > friction
         };
         let ticks = ticks.start..ticks.end.min(self.log.len().saturating_sub(1));
-        let cos = libm::cos(self.ground.slope);
+        let cos = libm::cos(self.ground.base().slope);
         ticks.filter(|&i| loaded(i)).map(|i| (self.foot_x(i + 1, foot) - self.foot_x(i, foot)).abs() / cos).sum()
     }
 
@@ -214,10 +219,20 @@ impl<'a> Evidence<'a> {
         }
     }
 
-    /// The friction that the controller counts on.
+    /// The friction that the controller counts on, where nothing tells it better.
     pub(super) fn assumed_friction(&self) -> f64 {
-        let ground = &self.scenario.ground;
-        if ground.known { ground.friction } else { self.scenario.controller.assumed_friction }
+        self.believed.base().friction
+    }
+
+    /// The friction below a foot in tick `i`, and the one that the controller counts on there.
+    pub(super) fn friction_below(&self, i: usize, foot: usize) -> [f64; 2] {
+        [&self.ground, &self.believed].map(|ground| ground.friction_at(self.foot_x(i, foot)))
+    }
+
+    /// How much lower the ground below a foot is in tick `i` than the controller believes [m].
+    pub(super) fn lower(&self, i: usize, foot: usize) -> f64 {
+        let x = self.foot_x(i, foot);
+        self.believed.height_at(x) - self.ground.height_at(x)
     }
 
     /// XcoM and feet as the step under way leaves them, or as they are in double support: how far the XcoM is past

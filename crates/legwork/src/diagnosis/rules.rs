@@ -116,9 +116,6 @@ fn numerics(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Option<(
 /// A loaded foot slid on ground that is more slippery than the controller was told. Where it knows the ground, it
 /// stops at the friction cone, and [`saturation`] judges that.
 fn slide(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
-    if evidence.assumed_friction() <= evidence.scenario.ground.friction {
-        return None;
-    }
     let begin = failure.window.start.saturating_sub(evidence.ticks_in(LEAD));
     let (foot, by) = (0..2)
         .map(|foot| (foot, evidence.slide(begin..failure.window.end, foot)))
@@ -133,26 +130,25 @@ fn slide(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Even
         rest > 0.9 * by
     });
     let name = evidence.foot_name(foot);
-    let what = What::Slid { foot: name.clone(), by };
-    Some((FirstCause::Friction { foot: name }, Event { time: evidence.time(started.unwrap_or(begin)), what }))
+    let start = started.unwrap_or(begin);
+    let [friction, believed] = evidence.friction_below(start, foot);
+    let what = What::Slid { foot: name.clone(), by, friction, believed };
+    Some((FirstCause::Friction { foot: name }, Event { time: evidence.time(start), what }))
 }
 
-/// The controller did not know the slope, and a swinging foot found no ground at the end of its path.
+/// The controller did not know the ground's height, and a swinging foot found no ground at the end of its path.
 fn missed_ground(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
-    let (ground, controller) = (&evidence.scenario.ground, &evidence.scenario.controller);
-    if ground.known || ground.slope_deg == controller.assumed_slope_deg {
-        return None;
-    }
     let stretch = evidence.stretch(failure.window.end - 1);
     let (foot, begin) = (stretch.foot?, stretch.ticks.start);
     let late = begin + evidence.ticks_in(LATE * evidence.scenario.reference.step.duration_s);
     let hangs = stretch.ticks.contains(&late) && !evidence.touching(late, foot);
-    if !hangs || evidence.foot_off(late, foot) > ASTRAY {
+    let lower = evidence.lower(late.min(failure.window.end - 1), foot);
+    if !hangs || lower == 0.0 || evidence.foot_off(late, foot) > ASTRAY {
         return None;
     }
     let name = evidence.foot_name(foot);
-    let what =
-        What::MissedGround { foot: name.clone(), lasted: evidence.time(stretch.ticks.end - 1) - evidence.time(begin) };
+    let lasted = evidence.time(stretch.ticks.end - 1) - evidence.time(begin);
+    let what = What::MissedGround { foot: name.clone(), lasted, lower };
     Some((FirstCause::MissedGround { foot: name }, Event { time: evidence.time(late), what }))
 }
 

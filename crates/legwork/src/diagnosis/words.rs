@@ -94,8 +94,8 @@ fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -
             };
             format!("{} for {:.0} % {during}", at_limit(cause, *value)?, 100.0 * share)
         }
-        What::Slid { foot, by } => {
-            let (friction, assumed) = (rounded(scenario.ground.friction), rounded(evidence.assumed_friction()));
+        What::Slid { foot, by, friction, believed } => {
+            let (friction, assumed) = (rounded(*friction), rounded(*believed));
             let belief = if assumed == friction { String::new() } else { format!(", assumed to be {assumed}") };
             let time = event.time;
             format!("the {} slid {by:.2} m from {time:.2} s on (friction {friction}{belief})", plain(foot))
@@ -109,12 +109,14 @@ fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -
                 "{who} {past:.2} m past the front foot by {time:.2} s, and the longest step of {longest} m fell {short:.2} m short of it"
             )
         }
-        What::MissedGround { foot, lasted } => {
+        What::MissedGround { foot, lasted, lower } => {
             let (slope, assumed) = (rounded(scenario.ground.slope_deg), rounded(scenario.controller.assumed_slope_deg));
-            format!(
-                "the {} found no ground for {lasted:.2} s (slope {slope} deg, assumed to be {assumed})",
-                plain(foot)
-            )
+            let why = if scenario.ground.known {
+                format!("{:.0} cm lower than the controller believed", 100.0 * lower)
+            } else {
+                format!("slope {slope} deg, assumed to be {assumed}")
+            };
+            format!("the {} found no ground for {lasted:.2} s ({why})", plain(foot))
         }
         What::TasksYielded { ticks, of } => {
             let tracking = &scenario.controller.tracking;

@@ -33,7 +33,7 @@ pub fn friction(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
     for contact in 0..inputs.stance.len() {
         for k in 0..per_contact {
             let index = layout.friction_rows.start + contact * per_contact + k;
-            let direction = inputs.ground.friction_row(k);
+            let direction = inputs.ground[contact].friction_row(k);
             let row = problem.row_mut(index);
             for (i, axis) in inputs.model.linear_axes().iter().enumerate() {
                 row[layout.rho.start + contact * dimension + i] = axis.dot(&direction);

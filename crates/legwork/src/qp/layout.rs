@@ -5,7 +5,7 @@ use std::ops::Range;
 use legwork_qp::{Constraint, Side};
 use legwork_rbd::Model;
 
-use crate::contact::GroundPlane;
+use crate::contact::friction_rows;
 use crate::feet::FootRows;
 use crate::scenario::{QpForm, Tracking, TrackingSettings};
 
@@ -60,8 +60,8 @@ pub struct Limit {
 }
 
 impl Layout {
-    /// The layout of `form` for `model` on `ground`, with tasks as costs or equalities as in `tracking`.
-    pub fn new(form: QpForm, tracking: &TrackingSettings, model: &Model, ground: &GroundPlane) -> Self {
+    /// The layout of `form` for `model`, with tasks as costs or equalities as in `tracking`.
+    pub fn new(form: QpForm, tracking: &TrackingSettings, model: &Model) -> Self {
         let (nv, contacts, dimension) = (model.nv(), model.contacts.len(), model.linear_axes().len());
         let actuated: Vec<usize> = model.actuated().collect();
         let (forces, momenta) = (contacts * dimension, model.angular_axes().len() + dimension);
@@ -95,12 +95,12 @@ impl Layout {
             feet_rows: take(task(feet, tracking.feet)),
             torso_rows: take(task(torso, tracking.torso)),
             complementarity_rows: take(slack(forces)),
-            friction_rows: take(contacts * ground.friction_rows()),
+            friction_rows: take(contacts * friction_rows(model)),
             actuated,
             limits: Vec::new(),
             limit_of: Vec::new(),
             dimension,
-            friction_rows_per_contact: ground.friction_rows(),
+            friction_rows_per_contact: friction_rows(model),
         };
         layout.limits = layout.all_limits(model);
         layout.limit_of = vec![None; layout.rows() + layout.variables()];

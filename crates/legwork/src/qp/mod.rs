@@ -21,7 +21,7 @@ mod solution;
 use legwork_qp::Problem;
 use legwork_rbd::{Dynamics, Model};
 
-use crate::contact::GroundPlane;
+use crate::contact::Surface;
 use crate::feet::{FeetMotion, Footing};
 use crate::planner::MotionGoal;
 use crate::scenario::{Limits, TrackingSettings, Weights};
@@ -49,8 +49,8 @@ pub struct Inputs<'a> {
     pub footing: &'a [Footing],
     /// Largest normal force on each foot [N].
     pub max_load: &'a [f64],
-    /// The ground as the controller knows it.
-    pub ground: &'a GroundPlane,
+    /// The ground below each contact point, as the controller knows it.
+    pub ground: &'a [Surface],
     /// The cost's weights.
     pub weights: &'a Weights,
     /// The bounds.

@@ -3,9 +3,9 @@
 use nalgebra::Vector3;
 
 use super::{PointReference, xcom};
-use crate::contact::GroundPlane;
 use crate::error::Error;
 use crate::scenario::{ComSettings, TrajectoryKind};
+use crate::terrain::Terrain;
 
 /// A CoM trajectory in the x-z plane.
 #[derive(Clone, Debug)]
@@ -47,13 +47,13 @@ impl ComTrajectory {
         settings: &ComSettings,
         samples: &[[f64; 3]],
         start: Vector3<f64>,
-        ground: &GroundPlane,
+        ground: &Terrain,
     ) -> Result<Self, Error> {
         Ok(match settings.trajectory {
             TrajectoryKind::Stationary => Self::Stationary(start),
             TrajectoryKind::ConstantVelocity => {
                 let speed = settings.speed_mps;
-                let velocity = Vector3::new(speed, 0.0, ground.height_at(1.0) * speed);
+                let velocity = Vector3::new(speed, 0.0, ground.base().height_at(1.0) * speed);
                 Self::ConstantVelocity { start, velocity, ramp: settings.ramp_s }
             }
             TrajectoryKind::Waypoints => {
@@ -98,7 +98,7 @@ impl ComTrajectory {
 }
 
 /// At least `least` rows, above the ground, whose times increase.
-fn check_rows(place: &str, rows: &[[f64; 3]], least: usize, ground: &GroundPlane) -> Result<(), Error> {
+fn check_rows(place: &str, rows: &[[f64; 3]], least: usize, ground: &Terrain) -> Result<(), Error> {
     if rows.len() < least {
         return Err(Error::invalid(
             place,

@@ -13,10 +13,10 @@ pub mod xcom;
 use legwork_rbd::Model;
 use nalgebra::Vector3;
 
-use crate::contact::GroundPlane;
 pub use crate::feet::Footing;
 use crate::feet::Sole;
 use crate::scenario::{Generator, Scenario};
+use crate::terrain::Terrain;
 pub use com_trajectory::ComTrajectory;
 pub use stance::Stance;
 pub use step::{Phase, StepMachine};
@@ -102,6 +102,8 @@ pub struct Observation {
     pub touching: [bool; 2],
     /// Vertical forces on them [N].
     pub load: [f64; 2],
+    /// The shares of their heels and their toes [N].
+    pub end_load: [[f64; 2]; 2],
 }
 
 /// What moves the feet.
@@ -117,7 +119,7 @@ enum Feet {
 pub struct ReferenceGenerator {
     com: ComTrajectory,
     torso_angle: f64,
-    ground: GroundPlane,
+    ground: Terrain,
     gravity: f64,
     feet: Feet,
     reference: Reference,
@@ -127,14 +129,8 @@ impl ReferenceGenerator {
     /// A generator that begins with the feet where they start.
     ///
     /// `ground` is the one that the controller believes in; `start` the observation at time zero.
-    pub fn new(
-        scenario: &Scenario,
-        model: &Model,
-        com: ComTrajectory,
-        ground: &GroundPlane,
-        start: &Observation,
-    ) -> Self {
-        let (settings, ground_known) = (&scenario.reference, scenario.ground.known);
+    pub fn new(scenario: &Scenario, model: &Model, com: ComTrajectory, ground: &Terrain, start: &Observation) -> Self {
+        let (settings, ground_known) = (&scenario.reference, scenario.ground.height_is_known());
         let torso_angle = scenario.controller.planner.torso_angle_deg.to_radians();
         let gravity = model.gravity;
         let feet = match settings.generator {
@@ -173,7 +169,7 @@ impl ReferenceGenerator {
                 stance.update(observation, &com);
                 for (foot, goal) in reference.feet.iter_mut().enumerate() {
                     goal.point = stance.foot(foot, time);
-                    goal.angle.angle = stance.slope();
+                    goal.angle.angle = stance.pitch(foot);
                 }
             }
             Feet::Walker(walker) => {

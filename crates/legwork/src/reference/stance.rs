@@ -8,8 +8,8 @@ use std::f64::consts::TAU;
 use nalgebra::Vector3;
 
 use super::{Observation, PointReference, xcom};
-use crate::contact::GroundPlane;
 use crate::scenario::{Lift, StanceSettings};
+use crate::terrain::Terrain;
 
 /// Time in which the centre of mass moves above a foot, or back [s].
 const SHIFT_S: f64 = 1.5;
@@ -20,10 +20,12 @@ const RISE: f64 = 0.3;
 #[derive(Clone, Debug)]
 pub struct Stance {
     settings: StanceSettings,
-    ground: GroundPlane,
+    ground: Terrain,
     gravity: f64,
     /// Where the feet stand [m].
     standing: [Vector3<f64>; 2],
+    /// How they lie [rad].
+    pitch: [f64; 2],
     /// The foot that is lifted, and from the centre of mass to above the other one [m].
     lifted: Option<(usize, Vector3<f64>)>,
     swinging: Option<usize>,
@@ -32,7 +34,7 @@ pub struct Stance {
 
 impl Stance {
     /// A plan for a robot that stands as in `start`; `gravity` [m/s²].
-    pub fn new(settings: StanceSettings, ground: GroundPlane, gravity: f64, start: &Observation) -> Self {
+    pub fn new(settings: StanceSettings, ground: Terrain, gravity: f64, start: &Observation) -> Self {
         let lifted = match settings.lift {
             Lift::None => None,
             Lift::Right => Some(0),
@@ -47,6 +49,7 @@ impl Stance {
             ground,
             gravity,
             standing: start.feet,
+            pitch: start.pitch.map(|[angle, _rate]| angle),
             lifted: lifted.map(above),
             swinging: None,
             xcom: start.com.x,
@@ -73,9 +76,9 @@ impl Stance {
         self.swinging.map(|foot| (foot, self.lift_off()))
     }
 
-    /// What the feet lie flat on [rad].
-    pub fn slope(&self) -> f64 {
-        self.ground.slope
+    /// How a foot lies, as at the start [rad].
+    pub fn pitch(&self, foot: usize) -> f64 {
+        self.pitch[foot]
     }
 
     /// The extrapolated centre of mass along x as of the latest update [m].
@@ -152,6 +155,7 @@ pub(super) fn sum(a: PointReference, b: PointReference) -> PointReference {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::library;
     use crate::scenario::Scenario;
 
     fn plan() -> (Stance, Observation) {
@@ -162,8 +166,7 @@ mod tests {
             swing_m: 0.1,
             ..Scenario::default().reference.stance
         };
-        let ground =
-            GroundPlane { friction: 0.8, slope: 0.0, normal: Vector3::z(), tangents: vec![Vector3::x(), Vector3::y()] };
+        let ground = Terrain::plane(&library::load_model("exo18", None).expect("a built-in model"), 0.8, 0.0);
         let start = Observation {
             time: 0.0,
             com: Vector3::new(0.04, 0.0, 0.9),
@@ -172,6 +175,7 @@ mod tests {
             pitch: [[0.0; 2]; 2],
             touching: [true, true],
             load: [0.0; 2],
+            end_load: [[0.0; 2]; 2],
         };
         (Stance::new(settings, ground, 9.81, &start), start)
     }

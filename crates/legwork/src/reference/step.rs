@@ -7,8 +7,8 @@
 use nalgebra::Vector3;
 
 use super::{Observation, PointReference, swing, xcom};
-use crate::contact::GroundPlane;
 use crate::scenario::{LeastStep, Replan, StepSettings};
+use crate::terrain::Terrain;
 
 /// What the feet are doing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +32,7 @@ pub enum Phase {
 #[derive(Clone, Debug)]
 pub struct StepMachine {
     settings: StepSettings,
-    ground: GroundPlane,
+    ground: Terrain,
     ground_known: bool,
     gravity: f64,
     phase: Phase,
@@ -44,13 +44,7 @@ impl StepMachine {
     /// A machine with both feet standing where they are in `start`; `gravity` [m/s²].
     ///
     /// Feet stand on `ground`. Where it is a guess (`ground_known` is false), they stand at the height that they have.
-    pub fn new(
-        settings: StepSettings,
-        ground: GroundPlane,
-        ground_known: bool,
-        gravity: f64,
-        start: &Observation,
-    ) -> Self {
+    pub fn new(settings: StepSettings, ground: Terrain, ground_known: bool, gravity: f64, start: &Observation) -> Self {
         let phase = Phase::DoubleSupport;
         let mut machine =
             Self { settings, ground, ground_known, gravity, phase, standing: start.feet, xcom: start.com.x };
@@ -146,7 +140,7 @@ impl StepMachine {
                 let x = swing::forward(t, duration, length); // Thesis (4.1)
                 let z = swing::upward(t, duration, self.settings.height_m); // Thesis (4.2)
                 let over = time - since > duration; // late: wait at the target
-                let slope = self.ground.height_at(1.0);
+                let slope = self.ground.base().height_at(1.0);
                 let along = |forward: f64, up: f64| Vector3::new(forward, 0.0, slope * forward + up);
                 let moving = |value: Vector3<f64>| if over { Vector3::zeros() } else { value };
                 PointReference {

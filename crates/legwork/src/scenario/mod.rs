@@ -35,7 +35,7 @@ pub struct Scenario {
     pub model: String,
     /// Simulated time [s].
     pub duration_s: f64,
-    /// Seed of the sensor noise.
+    /// Seed of the sensor noise and of the ground's unevenness.
     pub seed: u64,
     /// The person whose segments the robot has.
     pub wearer: Wearer,
@@ -116,7 +116,8 @@ pub struct Start {
     pub torso_angle_deg: f64,
 }
 
-/// Ground: an inclined plane through the origin with Coulomb friction.
+/// Ground: an inclined plane through the origin with Coulomb friction, and what differs from it; see
+/// [`crate::terrain::Terrain`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ground {
@@ -126,6 +127,25 @@ pub struct Ground {
     pub slope_deg: f64,
     /// Whether the controller is given the true friction and slope.
     pub known: bool,
+    /// Rows `[x_m, z_m]` of heights above the plane, joined by straight lines, level before and after.
+    pub profile: Vec<[f64; 2]>,
+    /// Random heights on top of it: as much up and down [m].
+    pub unevenness_m: f64,
+    /// Distance of the points that have them, which straight lines join [m].
+    pub unevenness_spacing_m: f64,
+    /// Where they begin [m].
+    pub unevenness_from_m: f64,
+    /// Rows `[from_m, to_m, friction]` where the friction is another; of several the last counts.
+    pub patches: Vec<[f64; 3]>,
+    /// Whether the controller is given profile, unevenness and patches.
+    pub relief_known: bool,
+}
+
+impl Ground {
+    /// Whether the controller knows the ground's height everywhere.
+    pub fn height_is_known(&self) -> bool {
+        self.known && (self.relief_known || (self.profile.is_empty() && self.unevenness_m == 0.0))
+    }
 }
 
 /// When the robot counts as fallen; see [`crate::diagnosis`].
@@ -170,7 +190,17 @@ impl Default for Scenario {
                 com_height_m: 0.885,
                 torso_angle_deg: -1.676873,
             },
-            ground: Ground { friction: 0.85, slope_deg: 0.0, known: true },
+            ground: Ground {
+                friction: 0.85,
+                slope_deg: 0.0,
+                known: true,
+                profile: Vec::new(),
+                unevenness_m: 0.0,
+                unevenness_spacing_m: 0.3,
+                unevenness_from_m: 0.7,
+                patches: Vec::new(),
+                relief_known: false,
+            },
             reference: ReferenceSettings::default(),
             controller: ControllerSettings::default(),
             simulation: SimulationSettings::default(),

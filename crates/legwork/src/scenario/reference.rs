@@ -142,6 +142,8 @@ pub struct WalkerSettings {
     pub settling_s: f64,
     /// Speed at which a foot meets the ground [m/s].
     pub landing_speed_mps: f64,
+    /// The same where the controller does not know how high the ground is.
+    pub unseen_landing_speed_mps: f64,
     /// How fast it gets faster where it does not find the ground in time [m/s²].
     pub landing_acceleration_mps2: f64,
 }
@@ -334,6 +336,7 @@ impl Default for ReferenceSettings {
                 touchdown_force_n: 20.0,
                 settling_s: 0.0145,
                 landing_speed_mps: 0.0307,
+                unseen_landing_speed_mps: 0.3,
                 landing_acceleration_mps2: 5.0,
             },
         }

@@ -101,7 +101,26 @@ fn conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
         let paths = &["reference.step.min_length_m", "reference.step.max_length_m"];
         return Some((paths, format!("the shortest step of {least} m is longer than the longest of {most} m")));
     }
-    trajectory_conflict(scenario).or_else(|| fall_conflict(scenario)).or_else(|| walker_conflict(scenario))
+    ground_conflict(scenario)
+        .or_else(|| trajectory_conflict(scenario))
+        .or_else(|| fall_conflict(scenario))
+        .or_else(|| walker_conflict(scenario))
+}
+
+/// Knots in no order, patches without extent.
+fn ground_conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
+    let ground = &scenario.ground;
+    if let Some(late) = ground.profile.windows(2).position(|rows| rows[1][0] <= rows[0][0]) {
+        let (before, after) = (ground.profile[late][0], ground.profile[late + 1][0]);
+        let problem = format!(
+            "row {}: {after} m comes after {before} m; valid are places that increase (a step is a short steep piece)",
+            late + 1
+        );
+        return Some((&["ground.profile"], problem));
+    }
+    let (row, [from, to, _]) = ground.patches.iter().enumerate().find(|(_, [from, to, _])| from >= to)?;
+    let problem = format!("row {row}: a patch from {from} m to {to} m; valid is an end beyond its begin");
+    Some((&["ground.patches"], problem))
 }
 
 fn trajectory_conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {

@@ -38,6 +38,10 @@ const SCHEDULE: [Column; 5] = [
     Column::new("heel_off_s", 0.0, 1.0),
 ];
 
+const PROFILE: [Column; 2] = [Column::new("x_m", -1e3, 1e3), Column::new("z_m", -10.0, 10.0)];
+const PATCHES: [Column; 3] =
+    [Column::new("from_m", -1e3, 1e3), Column::new("to_m", -1e3, 1e3), Column::new("friction", 0.0, 10.0)];
+
 const SWAY: [Column; 3] = [Column::new("x", -1.0, 1.0), Column::new("y", -1.0, 1.0), Column::new("z", -1.0, 1.0)];
 
 const fn setting(path: &'static str, valid: Valid, source: &'static str, help: &'static str) -> Setting {
@@ -79,7 +83,7 @@ pub const SETTINGS: &[Setting] = &[
     setting("description", Valid::Text, OURS, "What the scenario shows, in a sentence."),
     setting("model", Valid::Text, OURS, "A built-in model, or a TOML or URDF file."),
     number("duration_s", "s", [1e-3, 3600.0], OURS, "Simulated time."),
-    setting("seed", Valid::Integer { min: 0, max: i64::MAX }, OURS, "Seed of the sensor noise."),
+    setting("seed", Valid::Integer { min: 0, max: i64::MAX }, OURS, "Seed of sensor noise and uneven ground."),
     //
     number("wearer.mass_kg", "kg", [20.0, 250.0], WINTER, "Mass of the person whose segments the robot has."),
     number(
@@ -110,6 +114,12 @@ pub const SETTINGS: &[Setting] = &[
     number("ground.friction", "", FRICTION, FITTED, "Coefficient of friction.").called("mu"),
     number("ground.slope_deg", "deg", SLOPE, "thesis, flat ground", "Slope, upward in x.").called("theta"),
     setting("ground.known", Valid::Bool, OURS, "Whether the controller is given the true friction and slope."),
+    setting("ground.profile", Valid::Rows(&PROFILE), OURS, "Heights above the plane, joined by straight lines."),
+    number("ground.unevenness_m", "m", [0.0, 0.5], OURS, "Random heights besides, as much up and down."),
+    number("ground.unevenness_spacing_m", "m", [0.02, 10.0], OURS, "Distance of the points that have them."),
+    number("ground.unevenness_from_m", "m", PLACE, OURS, "Where they begin."),
+    setting("ground.patches", Valid::Rows(&PATCHES), OURS, "Where the friction is another."),
+    setting("ground.relief_known", Valid::Bool, OURS, "Whether the controller is given these five."),
     //
     choice(
         "reference.generator",
@@ -304,6 +314,13 @@ pub const SETTINGS: &[Setting] = &[
     ),
     number("reference.walker.settling_s", "s", [0.0, 1.0], OURS, "How long before it lands a foot is above its place."),
     number("reference.walker.landing_speed_mps", "m/s", [0.0, 5.0], FEET, "Speed at which a foot meets the ground."),
+    number(
+        "reference.walker.unseen_landing_speed_mps",
+        "m/s",
+        [0.0, 5.0],
+        OURS,
+        "The same where the ground's height is not known.",
+    ),
     number(
         "reference.walker.landing_acceleration_mps2",
         "m/s2",

@@ -7,7 +7,8 @@ use legwork_rbd::Dynamics;
 use nalgebra::Vector3;
 
 use super::contact_solver::Report;
-use crate::contact::GroundPlane;
+use crate::contact::Surface;
+use crate::terrain::Terrain;
 
 /// Figures of a run so far, each the worst or the sum over all steps.
 #[derive(Clone, Debug)]
@@ -111,7 +112,7 @@ impl Audit {
     #[inline]
     pub(super) fn contact<const D: usize>(
         &mut self,
-        ground: &GroundPlane,
+        ground: &Surface,
         dt: f64,
         impulse: &[f64; D],
         [before, after]: [&[f64; D]; 2],
@@ -141,7 +142,7 @@ impl Audit {
     }
 
     /// Holds the state after the step against the books.
-    pub(super) fn close(&mut self, dynamics: &Dynamics, ground: &GroundPlane) {
+    pub(super) fn close(&mut self, dynamics: &Dynamics, ground: &Terrain) {
         let energy = dynamics.kinetic_energy + dynamics.potential_energy;
         self.energy_error_j = self.energy_error_j.max((energy - self.energy_at_start - self.work).abs());
         let momentum = self.mass * (dynamics.com_velocity - self.com_velocity_at_start);

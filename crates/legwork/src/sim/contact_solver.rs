@@ -29,6 +29,11 @@ pub struct Report {
 pub(super) struct Point<const D: usize, const K: usize> {
     /// Its foot, in the order of [`ContactSolver::free`].
     pub(super) foot: usize,
+    /// Coefficient of friction.
+    pub(super) friction: f64,
+    /// Cosine and sine of the angle by which its directions are turned against those of the twists, from the first tangent
+    /// to the normal; none where they are the same.
+    pub(super) turn: Option<[f64; 2]>,
     /// From the foot's point of reference [m].
     pub(super) arm: [f64; D],
     /// Lowest normal velocity allowed [m/s]: negative while there is a gap left.
@@ -61,6 +66,27 @@ impl<const D: usize, const K: usize> Point<D, K> {
     /// Normal velocity for a unit normal impulse [1/kg].
     pub(super) fn normal_gain(&self) -> f64 {
         self.block[D - 1][D - 1]
+    }
+
+    /// Its velocity where the foot's is `twist`.
+    #[inline]
+    pub(super) fn velocity(&self, twist: &[f64; K]) -> [f64; D] {
+        let mut velocity = velocity_at(twist, &self.arm);
+        if let Some([cos, sin]) = self.turn {
+            let (tangent, normal) = (velocity[0], velocity[D - 1]);
+            (velocity[0], velocity[D - 1]) = (cos * tangent + sin * normal, cos * normal - sin * tangent);
+        }
+        velocity
+    }
+
+    /// The wrench of an impulse on it: the transpose of [`Point::velocity`].
+    #[inline]
+    pub(super) fn wrench(&self, impulse: &[f64; D]) -> [f64; K] {
+        let Some([cos, sin]) = self.turn else { return wrench(impulse, &self.arm) };
+        let (tangent, normal) = (impulse[0], impulse[D - 1]);
+        let mut turned = *impulse;
+        (turned[0], turned[D - 1]) = (cos * tangent - sin * normal, cos * normal + sin * tangent);
+        wrench(&turned, &self.arm)
     }
 }
 
@@ -112,6 +138,8 @@ impl<const D: usize, const K: usize> ContactSolver<D, K> {
     pub(super) fn new(foot_of_point: &[usize], feet: usize) -> Self {
         let point = |&foot: &usize| Point {
             foot,
+            friction: 0.0,
+            turn: None,
             arm: [0.0; D],
             approach: 0.0,
             impulse: [0.0; D],
@@ -136,15 +164,20 @@ impl<const D: usize, const K: usize> ContactSolver<D, K> {
             for k in 0..D {
                 let mut direction = [0.0; D];
                 direction[k] = 1.0;
-                let mut twist = own[k];
-                let turn: [f64; K] = wrench(&direction, &point.arm);
-                for j in D..K {
-                    for i in 0..K {
-                        twist[i] += own[j][i] * turn[j];
+                let force = point.wrench(&direction);
+                let mut twist = [0.0; K];
+                if point.turn.is_some() {
+                    add_product(own, &force, &mut twist);
+                } else {
+                    twist = own[k];
+                    for j in D..K {
+                        for i in 0..K {
+                            twist[i] += own[j][i] * force[j];
+                        }
                     }
                 }
                 point.response[k] = twist;
-                point.block[k] = velocity_at(&twist, &point.arm);
+                point.block[k] = point.velocity(&twist);
             }
             point.inverse = inverse(&point.block);
         }
@@ -154,7 +187,7 @@ impl<const D: usize, const K: usize> ContactSolver<D, K> {
     pub(super) fn sum(&mut self) {
         self.total.fill([0.0; K]);
         for point in &self.points {
-            let wrench: [f64; K] = wrench(&point.impulse, &point.arm);
+            let wrench = point.wrench(&point.impulse);
             let total = &mut self.total[point.foot];
             for i in 0..K {
                 total[i] += wrench[i];
@@ -174,12 +207,11 @@ impl<const D: usize, const K: usize> ContactSolver<D, K> {
         }
     }
 
-    /// Solves for the points' impulses with friction coefficient `friction`, beginning with those that they have;
+    /// Solves for the points' impulses, beginning with those that they have;
     /// stops when no impulse changes by more than `tolerance` [Ns] in a sweep over all contacts.
     pub(super) fn solve(
         &mut self,
         together: &mut Simultaneous<D, K>,
-        friction: f64,
         tolerance: f64,
         settings: &ContactSettings,
     ) -> Report {
@@ -193,12 +225,12 @@ impl<const D: usize, const K: usize> ContactSolver<D, K> {
         for sweep in 1..=settings.max_sweeps {
             // Ever more seldom, so that guesses that lead nowhere cannot keep the visits from converging.
             if sweep > walk {
-                together.walk(self, friction, tolerance);
+                together.walk(self, tolerance);
                 walk = (2 * walk).max(1);
             }
             report = Report { sweeps: sweep, residual: 0.0 };
             for index in 0..self.points.len() {
-                report.residual = report.residual.max(self.visit(index, friction, alpha));
+                report.residual = report.residual.max(self.visit(index, alpha));
             }
             if report.residual <= tolerance {
                 break;
@@ -209,11 +241,11 @@ impl<const D: usize, const K: usize> ContactSolver<D, K> {
 
     /// Solves one contact given the others; returns the largest change.
     #[inline]
-    fn visit(&mut self, index: usize, friction: f64, alpha: f64) -> f64 {
+    fn visit(&mut self, index: usize, alpha: f64) -> f64 {
         let feet = self.free.len();
         let point = &mut self.points[index];
-        let old = point.impulse;
-        let mut velocity = velocity_at(&self.twist[point.foot], &point.arm);
+        let (old, friction) = (point.impulse, point.friction);
+        let mut velocity = point.velocity(&self.twist[point.foot]);
         velocity[D - 1] -= point.approach;
         // The point's velocity without its own impulse.
         let c: [f64; D] =
@@ -233,7 +265,7 @@ impl<const D: usize, const K: usize> ContactSolver<D, K> {
         for i in 0..D {
             point.impulse[i] += step[i];
         }
-        let wrench: [f64; K] = wrench(&step, &point.arm);
+        let wrench = point.wrench(&step);
         let foot = point.foot;
         for (other, twist) in self.twist.iter_mut().enumerate() {
             if other == foot {
@@ -263,9 +295,10 @@ mod tests {
         solver.coupling[0] = [[1.0 / mass, 0.0, 0.0], [0.0, 1.0 / mass, 0.0], [0.0, 0.0, 1.0 / inertia]];
         solver.free[0] = [0.3, -1.0, 0.0];
         (solver.points[0].arm, solver.points[1].arm) = ([-half, -0.1], [half, -0.1]);
+        solver.points.iter_mut().for_each(|point| point.friction = 0.05);
         solver.prepare();
         let settings = Scenario::default().simulation.contact;
-        let report = solver.solve(&mut Simultaneous::new(2, 1), 0.05, 1e-12, &settings);
+        let report = solver.solve(&mut Simultaneous::new(2, 1), 1e-12, &settings);
         assert!(report.residual <= 1e-12 && report.sweeps > 1, "{report:?}");
         for point in &solver.points {
             let velocity = velocity_at(&solver.twist[0], &point.arm);
@@ -288,7 +321,7 @@ mod tests {
         solver.free[0] = [0.02, -0.01, -0.03, 0.05, -0.04, 0.01];
         let corners = [[-0.1, -0.06], [-0.1, 0.06], [0.2, -0.06], [0.2, 0.06]];
         for (point, [x, y]) in solver.points.iter_mut().zip(corners) {
-            point.arm = [x, y, 0.0];
+            (point.arm, point.friction) = ([x, y, 0.0], 0.7);
         }
         solver.prepare();
         solver
@@ -301,7 +334,7 @@ mod tests {
         for first in [0.0, 0.3, 2.0] {
             let mut solver = loaded_foot();
             solver.points[0].impulse = [0.0, 0.0, first];
-            let report = solver.solve(&mut Simultaneous::new(4, 1), 0.7, 1e-12, &settings);
+            let report = solver.solve(&mut Simultaneous::new(4, 1), 1e-12, &settings);
             assert!(report.residual <= 1e-12, "{report:?}");
             for point in &solver.points {
                 let velocity = velocity_at(&solver.twist[0], &point.arm);
@@ -329,7 +362,7 @@ mod tests {
             let mut solver = loaded_foot();
             solver.points.iter_mut().for_each(|point| point.impulse = [0.0, 0.0, 0.1]);
             (solver.points[0].approach, solver.points[3].approach) = (difference, difference);
-            let report = solver.solve(&mut Simultaneous::new(4, 1), 0.7, 1e-12, &settings);
+            let report = solver.solve(&mut Simultaneous::new(4, 1), 1e-12, &settings);
             assert!(report.residual <= 1e-12 && report.sweeps <= 10, "{difference}: {report:?}");
             for point in &solver.points {
                 let opening = velocity_at(&solver.twist[0], &point.arm)[2] - point.approach;
@@ -352,6 +385,13 @@ mod tests {
         let (twist, arm, impulse) = ([0.1, -0.2, 0.3], [0.7, -0.8], [1.0, 2.0]);
         let power: f64 = velocity_at(&twist, &arm).iter().zip(&impulse).map(|(v, f)| v * f).sum();
         let same: f64 = wrench::<2, 3>(&impulse, &arm).iter().zip(&twist).map(|(f, v)| f * v).sum();
+        assert!((power - same).abs() < 1e-14);
+        // So it is along directions that are turned.
+        let mut solver = ContactSolver::<2, 3>::new(&[0], 1);
+        let point = &mut solver.points[0];
+        (point.arm, point.turn) = (arm, Some([0.8, 0.6]));
+        let power: f64 = point.velocity(&twist).iter().zip(&impulse).map(|(v, f)| v * f).sum();
+        let same: f64 = point.wrench(&impulse).iter().zip(&twist).map(|(f, v)| f * v).sum();
         assert!((power - same).abs() < 1e-14);
     }
 }

@@ -19,9 +19,9 @@ use std::sync::Arc;
 
 use legwork_rbd::{Dynamics, Model};
 
-use crate::contact::GroundPlane;
 use crate::error::Error;
 use crate::scenario::{Integrator, Scenario, SimulationSettings};
+use crate::terrain::Terrain;
 use actuators::Actuators;
 use audit::Audit;
 use contact_solver::Report;
@@ -48,7 +48,7 @@ struct Body {
     settings: SimulationSettings,
     model: Arc<Model>,
     actuated: Vec<usize>,
-    ground: GroundPlane,
+    ground: Terrain,
     pushes: Pushes,
     actuators: Actuators,
     step: u64,
@@ -86,13 +86,14 @@ impl Simulator {
         let (nv, d, contacts) = (model.nv(), model.linear_axes().len(), model.contacts.len());
         let actuated: Vec<usize> = model.actuated().collect();
         let state = Dynamics::new(&model);
+        let ground = Terrain::of(scenario, &model);
         let velocity = if model.is_planar() {
-            Velocity::Planar(VelocityStep::new(&model, &state))
+            Velocity::Planar(VelocityStep::new(&model, &state, &ground))
         } else {
-            Velocity::Spatial(VelocityStep::new(&model, &state))
+            Velocity::Spatial(VelocityStep::new(&model, &state, &ground))
         };
         let mut body = Body {
-            ground: GroundPlane::of(&scenario.ground, &model),
+            ground,
             pushes: Pushes::new(&scenario.pushes, &model)?,
             actuators: Actuators::new(&settings.actuators, &model, settings.period_s),
             step: 0,
@@ -138,7 +139,7 @@ impl Simulator {
     }
 
     /// The ground.
-    pub fn ground(&self) -> &GroundPlane {
+    pub fn ground(&self) -> &Terrain {
         &self.body.ground
     }
 
@@ -213,7 +214,7 @@ impl Body {
         for (&dof, torque) in self.actuated.iter().zip(&self.applied) {
             self.force[dof] += torque;
         }
-        velocity.solve(settings, ground.friction, &self.v, &self.force, &mut self.next_v);
+        velocity.solve(settings, &self.v, &self.force, &mut self.next_v);
 
         if is_midpoint && in_bounds(&self.next_v) {
             // Velocity-dependent forces are the mean of those before and after the step. Without it every impact would
@@ -227,7 +228,7 @@ impl Body {
                 self.force[j] -= 0.5 * (midpoint.bias[j] + midpoint.damping[j]);
                 self.damping[j] += 0.5 * midpoint.damping[j];
             }
-            velocity.solve(settings, ground.friction, &self.v, &self.force, &mut self.next_v);
+            velocity.solve(settings, &self.v, &self.force, &mut self.next_v);
         }
         if !in_bounds(&self.next_v) {
             velocity.forget();
@@ -245,7 +246,7 @@ impl Body {
             gravity: model.gravity,
             report: velocity.report,
         });
-        velocity.account(model, ground, dt, &mut self.audit, &mut self.forces);
+        velocity.account(model, dt, &mut self.audit, &mut self.forces);
         model.integrate(&self.next_q, &self.next_v, rest, &mut self.q);
         self.v.copy_from_slice(&self.next_v);
         self.step += 1;

@@ -11,7 +11,7 @@
 //! goes on without it: the walk of an active-set method. Its end is a guess that visits must confirm.
 
 use super::contact_law::in_cone;
-use super::contact_solver::{ContactSolver, velocity_at, wrench};
+use super::contact_solver::{ContactSolver, wrench};
 use super::square::Square;
 
 /// ε as a share of the mean gain of the normals. Rounding leaves 1e-16 / ε of the impulses.
@@ -120,14 +120,14 @@ impl<const D: usize, const K: usize> Simultaneous<D, K> {
 
     /// Walks from the impulses of `contacts` toward the common solution, whose velocities vanish up to what impulses of
     /// `tolerance` [Ns] would cause.
-    pub(super) fn walk(&mut self, contacts: &mut ContactSolver<D, K>, friction: f64, tolerance: f64) {
+    pub(super) fn walk(&mut self, contacts: &mut ContactSolver<D, K>, tolerance: f64) {
         let gains: f64 = contacts.points.iter().map(|point| point.normal_gain()).sum();
         let gain = gains / contacts.points.len() as f64;
         self.proximity = PROXIMITY * gain;
         let small = 0.1 * gain * tolerance;
         let (mut whole, mut before) = (true, f64::INFINITY);
         for step in 0..STEPS {
-            let largest = self.survey(contacts, friction, step == 0, whole, small);
+            let largest = self.survey(contacts, step == 0, whole, small);
             let stays = whole && largest > 0.5 * before;
             if largest <= small || (stays && largest <= gain * tolerance) {
                 return;
@@ -147,18 +147,19 @@ impl<const D: usize, const K: usize> Simultaneous<D, K> {
                 self.impulse.iter_mut().flatten().for_each(|value| *value *= FAR);
             }
             before = largest;
-            whole = self.advance(contacts, friction);
+            whole = self.advance(contacts);
             contacts.load();
         }
     }
 
     /// Finds the velocities that are to vanish, and returns the largest; enters modes at the `first` step, and contacts
     /// that close after a `whole` one.
-    fn survey(&mut self, contacts: &ContactSolver<D, K>, friction: f64, first: bool, whole: bool, small: f64) -> f64 {
+    fn survey(&mut self, contacts: &ContactSolver<D, K>, first: bool, whole: bool, small: f64) -> f64 {
         let mut largest: f64 = 0.0;
         for ((mode, velocity), point) in self.mode.iter_mut().zip(&mut self.velocity).zip(&contacts.points) {
-            *velocity = velocity_at(&contacts.twist[point.foot], &point.arm);
+            *velocity = point.velocity(&contacts.twist[point.foot]);
             velocity[D - 1] -= point.approach;
+            let friction = point.friction;
             if first {
                 *mode = if point.impulse[D - 1] <= 0.0 {
                     Mode::Open
@@ -188,7 +189,7 @@ impl<const D: usize, const K: usize> Simultaneous<D, K> {
             match mode {
                 Mode::Open => {}
                 Mode::Stick => {
-                    // Σ of wrench times row over the axes: the linear parts are the unit vectors.
+                    // Σ of wrench times row over the axes: the linear parts are the unit vectors. Turned axes have the same sum.
                     let turns: [[f64; K]; D] = std::array::from_fn(|axis| wrench(&unit(axis), &point.arm));
                     for (axis, turn) in turns.iter().enumerate() {
                         shape[axis][axis] += 1.0;
@@ -202,8 +203,7 @@ impl<const D: usize, const K: usize> Simultaneous<D, K> {
                     }
                 }
                 Mode::Slip(along) => {
-                    let force: [f64; K] = wrench(along, &point.arm);
-                    let row: [f64; K] = wrench(&unit(D - 1), &point.arm);
+                    let (force, row) = (point.wrench(along), point.wrench(&unit(D - 1)));
                     for i in 0..K {
                         for j in 0..K {
                             shape[i][j] += force[i] * row[j];
@@ -234,10 +234,10 @@ impl<const D: usize, const K: usize> Simultaneous<D, K> {
     fn solve(&mut self, contacts: &ContactSolver<D, K>) {
         self.load.fill([0.0; K]);
         for ((mode, velocity), point) in self.mode.iter().zip(&self.velocity).zip(&contacts.points) {
-            let force: [f64; K] = match mode {
+            let force = match mode {
                 Mode::Open => continue,
-                Mode::Stick => wrench(velocity, &point.arm),
-                Mode::Slip(along) => wrench(&along.map(|value| value * velocity[D - 1]), &point.arm),
+                Mode::Stick => point.wrench(velocity),
+                Mode::Slip(along) => point.wrench(&along.map(|value| value * velocity[D - 1])),
             };
             let load = &mut self.load[point.foot];
             for i in 0..K {
@@ -259,7 +259,7 @@ impl<const D: usize, const K: usize> Simultaneous<D, K> {
             self.impulse.iter_mut().zip(&self.mode).zip(&self.velocity).zip(&contacts.points)
         {
             let change: &[f64; K] = self.change[point.foot * K..].first_chunk().expect("a twist for each foot");
-            let after = velocity_at(change, &point.arm);
+            let after = point.velocity(change);
             let wanted = |i: usize| -(velocity[i] + after[i]) / self.proximity;
             *impulse = match mode {
                 Mode::Open => [0.0; D],
@@ -270,11 +270,11 @@ impl<const D: usize, const K: usize> Simultaneous<D, K> {
     }
 
     /// Goes as far as all impulses are possible; returns whether that is the whole way.
-    fn advance(&mut self, contacts: &mut ContactSolver<D, K>, friction: f64) -> bool {
+    fn advance(&mut self, contacts: &mut ContactSolver<D, K>) -> bool {
         let mut share = 1.0;
         let moves = self.impulse.iter().zip(&mut self.stop).zip(&self.mode).zip(&contacts.points);
         for (((change, stop), mode), point) in moves {
-            *stop = if *mode == Mode::Open { None } else { limit(mode, &point.impulse, change, friction) };
+            *stop = if *mode == Mode::Open { None } else { limit(mode, &point.impulse, change, point.friction) };
             if let Some((reached, _)) = stop {
                 share = reached.min(share);
             }

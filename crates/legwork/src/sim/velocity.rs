@@ -8,12 +8,13 @@ use legwork_rbd::{Dynamics, Model, Motion};
 use nalgebra::Vector3;
 
 use super::audit::Audit;
-use super::contact_solver::{ContactSolver, Report, velocity_at};
+use super::contact_solver::{ContactSolver, Report};
 use super::simultaneous::Simultaneous;
 use super::spring_damper;
 use super::tree_factor::TreeFactor;
-use crate::contact::GroundPlane;
+use crate::contact::Surface;
 use crate::scenario::{ContactModel, SimulationSettings};
+use crate::terrain::Terrain;
 
 /// The equation of one step, set up in one configuration and solved for one or more biases; all preallocated. For D and K
 /// see [`ContactSolver`].
@@ -25,6 +26,8 @@ pub(super) struct VelocityStep<const D: usize, const K: usize> {
     pub(super) report: Report,
     factor: TreeFactor,
     feet: Vec<Foot<K>>,
+    /// The ground below each contact point.
+    ground: Vec<Surface>,
     /// Twists of the feet with the velocities before.
     before: Vec<[f64; K]>,
     /// `L⁻ᵀ (f - h)`
@@ -46,8 +49,8 @@ struct Foot<const K: usize> {
 }
 
 impl<const D: usize, const K: usize> VelocityStep<D, K> {
-    /// Storage for `model`, with its tree as `dynamics` knows it.
-    pub(super) fn new(model: &Model, dynamics: &Dynamics) -> Self {
+    /// Storage for `model`, with its tree as `dynamics` knows it, on `terrain`.
+    pub(super) fn new(model: &Model, dynamics: &Dynamics, terrain: &Terrain) -> Self {
         let mut feet: Vec<Foot<K>> = Vec::new();
         let mut foot_of_point = Vec::new();
         for (index, point) in model.contacts.iter().enumerate() {
@@ -61,8 +64,11 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
                 feet.push(Foot { body: point.body, reference: index, chain, shared, whitened });
             }
         }
+        let mut contacts = ContactSolver::new(&foot_of_point, feet.len());
+        contacts.points.iter_mut().for_each(|point| point.friction = terrain.base().friction);
         Self {
-            contacts: ContactSolver::new(&foot_of_point, feet.len()),
+            contacts,
+            ground: vec![*terrain.base(); foot_of_point.len()],
             together: Simultaneous::new(foot_of_point.len(), feet.len()),
             report: Report::default(),
             factor: TreeFactor::new(model, dynamics),
@@ -77,14 +83,14 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
     pub(super) fn prepare(
         &mut self,
         settings: &SimulationSettings,
-        ground: &GroundPlane,
+        terrain: &Terrain,
         dynamics: &Dynamics,
         rest: f64,
     ) -> bool {
         if !self.factor.factor(&dynamics.mass_matrix) {
             return false;
         }
-        let axes = axes::<D>(ground);
+        let axes = axes::<D>(terrain.base());
         for (index, foot) in self.feet.iter_mut().enumerate() {
             let at = &dynamics.contact_positions[foot.reference];
             self.before[index] = along(&dynamics.motion_at(foot.body, at), &axes);
@@ -94,12 +100,22 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
             self.factor.whiten(&foot.chain, &mut foot.whitened);
         }
         self.couple();
-        for (point, position) in self.contacts.points.iter_mut().zip(&dynamics.contact_positions) {
+        if !terrain.is_plane() {
+            let points = &self.contacts.points;
+            terrain.below(&dynamics.contact_positions, |point| points[point].foot, &mut self.ground);
+        }
+        let places = self.contacts.points.iter_mut().zip(&self.ground).zip(&dynamics.contact_positions);
+        for ((point, ground), position) in places {
+            if !terrain.is_plane() {
+                point.friction = ground.friction;
+                let (sin, cos) = libm::sincos(ground.slope - terrain.base().slope);
+                point.turn = (sin != 0.0).then_some([cos, sin]);
+            }
             let arm = position - dynamics.contact_positions[self.feet[point.foot].reference];
             for (value, direction) in point.arm.iter_mut().zip(&axes.linear) {
                 *value = direction.dot(&arm);
             }
-            let gap = ground.gap(position);
+            let gap = terrain.gap(position);
             // A point may close its gap within the step, and recovers from a share of its penetration.
             let share = if gap > 0.0 { 1.0 / rest } else { settings.contact.penetration_recovery / settings.period_s };
             point.approach = -share * gap;
@@ -109,7 +125,7 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
                 self.contacts.prepare();
                 self.together.forget();
             }
-            ContactModel::SpringDamper => self.spring(settings, ground, dynamics),
+            ContactModel::SpringDamper => self.spring(settings, terrain, dynamics),
         }
         true
     }
@@ -135,25 +151,18 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
     }
 
     /// Impulses of the spring-damper ground over the step (thesis 3.3).
-    fn spring(&mut self, settings: &SimulationSettings, ground: &GroundPlane, dynamics: &Dynamics) {
+    fn spring(&mut self, settings: &SimulationSettings, terrain: &Terrain, dynamics: &Dynamics) {
         self.report = Report::default();
         for (point, position) in self.contacts.points.iter_mut().zip(&dynamics.contact_positions) {
-            let velocity = velocity_at(&self.before[point.foot], &point.arm);
-            let gap = ground.gap(position);
-            spring_damper::force(&settings.contact, ground.friction, gap, &velocity, &mut point.impulse);
+            let velocity = point.velocity(&self.before[point.foot]);
+            let gap = terrain.gap(position);
+            spring_damper::force(&settings.contact, point.friction, gap, &velocity, &mut point.impulse);
             point.impulse.iter_mut().for_each(|value| *value *= settings.period_s);
         }
     }
 
     /// Writes `v⁺` into `next`, where `force` are all generalized forces but those of the contacts.
-    pub(super) fn solve(
-        &mut self,
-        settings: &SimulationSettings,
-        friction: f64,
-        v: &[f64],
-        force: &[f64],
-        next: &mut [f64],
-    ) {
+    pub(super) fn solve(&mut self, settings: &SimulationSettings, v: &[f64], force: &[f64], next: &mut [f64]) {
         let dt = settings.period_s;
         for (drive, force) in self.drive.iter_mut().zip(force) {
             *drive = dt * force;
@@ -170,7 +179,7 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
         match settings.contact.model {
             ContactModel::Rigid => {
                 let tolerance = settings.contact.tolerance_n * dt;
-                self.report = self.contacts.solve(&mut self.together, friction, tolerance, &settings.contact);
+                self.report = self.contacts.solve(&mut self.together, tolerance, &settings.contact);
             }
             ContactModel::SpringDamper => self.contacts.load(),
         }
@@ -193,11 +202,12 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
     }
 
     /// Enters the contacts of the step into the books, and writes their mean forces along the model's linear axes [N].
-    pub(super) fn account(&self, model: &Model, ground: &GroundPlane, dt: f64, audit: &mut Audit, forces: &mut [f64]) {
+    pub(super) fn account(&self, model: &Model, dt: f64, audit: &mut Audit, forces: &mut [f64]) {
         let mut work = 0.0;
-        for (point, forces) in self.contacts.points.iter().zip(forces.chunks_exact_mut(D)) {
-            let before = velocity_at(&self.before[point.foot], &point.arm);
-            let after = velocity_at(&self.contacts.twist[point.foot], &point.arm);
+        let points = self.contacts.points.iter().zip(&self.ground);
+        for ((point, ground), forces) in points.zip(forces.chunks_exact_mut(D)) {
+            let before = point.velocity(&self.before[point.foot]);
+            let after = point.velocity(&self.contacts.twist[point.foot]);
             work += audit.contact(ground, dt, &point.impulse, [&before, &after]);
             let mut force = Vector3::zeros();
             for (direction, impulse) in ground.directions().zip(&point.impulse) {
@@ -217,10 +227,10 @@ struct Axes<const D: usize> {
     angular: [Vector3<f64>; 3],
 }
 
-fn axes<const D: usize>(ground: &GroundPlane) -> Axes<D> {
+fn axes<const D: usize>(ground: &Surface) -> Axes<D> {
     let mut directions = ground.directions();
     let linear = std::array::from_fn(|_| *directions.next().expect("a direction for each contact coordinate"));
-    Axes { linear, angular: [ground.tangents[0], Vector3::y(), ground.normal] }
+    Axes { linear, angular: [ground.tangents()[0], Vector3::y(), ground.normal] }
 }
 
 /// The coordinates of a motion along `axes`.

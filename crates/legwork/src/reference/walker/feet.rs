@@ -5,9 +5,20 @@ use nalgebra::Vector3;
 use super::{Footing, Motion, Observation, Walker, swing};
 use crate::reference::stance::minimum_jerk;
 use crate::reference::{AngleReference, ObjectReference, PointReference};
+use crate::terrain::Line;
 
 /// The share of a heel's roll that is done when the foot lifts off: it still turns then.
 const ROLLED: f64 = 0.8;
+
+/// A toe's way shorter than this goes straight up and down [m].
+const CLOSE: f64 = 0.05;
+/// Into so many parts a toe's way is divided to look for what is higher.
+const LOOKS: u32 = 16;
+/// How fast a foot that has landed on one end turns until the other is down [rad/s].
+const SETTLING_RATE: f64 = 1.0;
+
+/// How fast it goes on down where it has lost the ground again [m/s].
+const SINKING: f64 = 0.2;
 
 /// A foot that rolls over its toe.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,32 +29,56 @@ pub(super) struct Roll {
     pub(super) angle: f64,
 }
 
-/// Where a foot is, by the ground below its ankle when it is flat.
+/// Where a foot is that stands on its sole.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Flat {
+    /// The point of the sole below the ankle [m].
     pub(super) x: f64,
     pub(super) z: f64,
+    /// Its slope [rad].
+    pub(super) pitch: f64,
+    /// The direction along it.
+    along: Vector3<f64>,
+}
+
+impl Flat {
+    /// The sole that lies at `pitch` with its point below the ankle at `(x, z)`.
+    fn new(x: f64, z: f64, pitch: f64) -> Self {
+        let (sin, cos) = libm::sincos(pitch);
+        Self { x, z, pitch, along: Vector3::new(cos, 0.0, sin) }
+    }
+
+    /// The point of the sole that is `way` before the one below the ankle.
+    pub(super) fn point(&self, way: f64) -> Vector3<f64> {
+        Vector3::new(self.x, 0.0, self.z) + way * self.along
+    }
 }
 
 impl Walker {
-    /// A foot stands where it is now.
+    /// A foot stands where it is now: as the ground below it lies, where that is known, else as it has come to rest.
     pub(super) fn place_foot(&mut self, foot: usize, observation: &Observation) {
-        let below = observation.feet[foot] - self.along_the_sole(self.sole.middle());
-        let z = if self.ground_known { self.ground.height_at(below.x) } else { below.z };
-        let x = below.x;
-        self.placed[foot] = Flat { x, z };
+        let at = |pitch: f64| {
+            let lies = Flat::new(0.0, 0.0, pitch);
+            let below = observation.feet[foot] - lies.point(self.sole.middle());
+            Flat { x: below.x, z: below.z, ..lies }
+        };
+        self.placed[foot] = if self.ground_known {
+            let line = self.below_a_sole(observation.feet[foot].x - self.sole.middle());
+            let flat = at(line.pitch);
+            Flat { z: line.z + libm::tan(line.pitch) * (flat.x - line.x), ..flat }
+        } else {
+            at(observation.pitch[foot][0])
+        };
         self.roll[foot] = None;
     }
 
-    /// A way along the sole of a foot that stands flat [m].
-    fn along_the_sole(&self, way: f64) -> Vector3<f64> {
-        way * self.ground.tangents[0]
-    }
-
-    /// The point of the ground below the ankle of a foot that stands flat.
-    fn below_the_ankle(&self, foot: usize) -> Vector3<f64> {
-        let Flat { x, z } = self.placed[foot];
-        Vector3::new(x, 0.0, z)
+    /// How the controller believes that a sole lies with its ankle above `x` [m].
+    fn below_a_sole(&self, x: f64) -> Flat {
+        if !self.ground_known {
+            return Flat::new(x, self.grade.at(x), libm::atan(self.grade.steepness));
+        }
+        let line = self.ground.below_a_sole(x, [self.sole.heel, self.sole.toe]);
+        Flat::new(x, line.z, if self.ground.is_even() { self.ground.base().slope } else { libm::atan(line.steepness) })
     }
 
     /// The roll of a foot that begins now and lifts off after `duration` [s].
@@ -58,11 +93,11 @@ impl Walker {
         let turn = Motion::from(minimum_jerk(self.time, roll.since, roll.duration));
         self.footing[foot] = footing;
         let angle = AngleReference {
-            angle: self.ground.slope - roll.angle * turn.value,
+            angle: self.placed[foot].pitch - roll.angle * turn.value,
             velocity: -roll.angle * turn.rate,
             acceleration: -roll.angle * turn.acceleration,
         };
-        let toe = self.below_the_ankle(foot) + self.along_the_sole(self.sole.toe);
+        let toe = self.placed[foot].point(self.sole.toe);
         self.feet[foot] =
             ObjectReference { angle, point: PointReference { position: toe, ..PointReference::default() } };
     }
@@ -74,7 +109,8 @@ impl Walker {
         self.pitch = Motion { value: angle, rate, acceleration: 0.0 };
         // The ankle moves about the toe.
         let [place, rate, acceleration] = turned([-self.sole.toe, self.sole.ankle], self.pitch).map(|point| point[0]);
-        let toe = self.placed[other].x + self.along_the_sole(self.sole.toe).x - self.placed[stance].x;
+        self.left = self.placed[other].point(self.sole.toe);
+        let toe = self.left.x - self.placed[stance].x;
         self.ankle = Motion { value: toe + place, rate, acceleration };
         self.roll[other] = None;
         self.swung = true;
@@ -85,11 +121,14 @@ impl Walker {
         // Above its place a little before it lands, so that only the descent is left.
         let left = end - self.settings.settling_s - time + step;
         let duration = end - self.settings.double_support_s;
-        // The ankle is above its place along the ground's normal.
-        let above = self.place + self.sole.ankle * self.ground.normal.x;
+        let lies = self.below_a_sole(origin + self.place);
+        // The ankle is above its place along the sole's normal.
+        let above = self.place - self.sole.ankle * lies.along.z;
         self.ankle = self.ankle.toward(above, left, step);
-        self.pitch = self.pitch.toward(self.ground.slope, left, step);
-        let mut toe = swing::height(phase, duration, self.settings.clearance_m, self.settings.landing_speed_mps);
+        self.pitch = self.pitch.toward(lies.pitch, left, step);
+        let below = self.way_of_the_toe(lies.point(self.sole.toe));
+        let clearance = self.settings.clearance_m + self.obstacle(&below);
+        let mut toe = swing::height(phase, duration, clearance, self.settings.landing_speed_mps);
         if time > end {
             // Late: it descends until it finds the ground.
             let (late, speed) = (time - end, self.settings.landing_speed_mps);
@@ -103,11 +142,10 @@ impl Walker {
         let ankle = turned([self.sole.toe, -self.sole.ankle], self.pitch);
         let middle = turned([self.sole.middle(), -self.sole.ankle], self.pitch);
         let x = self.ankle;
-        // The ankle's height follows from the toe's, which is above the ground below it.
-        let steepness = self.ground.height_at(1.0);
-        let height = |k: usize, toe: f64, x: f64| toe + steepness * (x + ankle[k][0]) - ankle[k][1];
+        // The ankle's height follows from the toe's, which is above its way along the ground.
+        let height = |k: usize, toe: f64, x: f64| toe + below.steepness * (x + ankle[k][0]) - ankle[k][1];
         let z = [
-            height(0, toe.value, origin + x.value),
+            toe.value + below.at(origin + x.value + ankle[0][0]) - ankle[0][1],
             height(1, toe.rate, x.rate),
             height(2, toe.acceleration, x.acceleration),
         ];
@@ -126,11 +164,59 @@ impl Walker {
         }
     }
 
+    /// The line above which the toe swings, from where it left the ground to `landing`.
+    fn way_of_the_toe(&self, landing: Vector3<f64>) -> Line {
+        let left = self.left;
+        if self.ground_known && self.ground.is_even() {
+            return Line { x: 0.0, z: 0.0, steepness: self.ground.height_at(1.0) };
+        }
+        if (landing.x - left.x).abs() < CLOSE {
+            return Line { x: landing.x, z: landing.z.max(left.z), steepness: self.grade.steepness };
+        }
+        Line::through([landing.x, landing.z], [left.x, left.z])
+    }
+
+    /// How much the ground that the controller knows rises above the toe's way [m].
+    fn obstacle(&self, way: &Line) -> f64 {
+        if self.ground.is_even() {
+            return 0.0;
+        }
+        let (from, to) = (self.left.x, way.x);
+        let over = |share: f64| {
+            let x = from + share * (to - from);
+            self.ground.height_at(x) - way.at(x)
+        };
+        (1..LOOKS).map(|look| over(f64::from(look) / f64::from(LOOKS))).fold(0.0, f64::max)
+    }
+
+    /// A foot that has landed on one end alone on ground that the controller does not know turns to where it believes the
+    /// ground to be, and on until the other end is down.
+    pub(super) fn settle(&mut self, foot: usize, observation: &Observation) {
+        let [heel, toe] = observation.end_load[foot].map(|load| load > 0.0);
+        self.place_foot(foot, observation);
+        self.feet[foot] = self.flat(foot);
+        self.settling = !(heel && toe);
+        let (now, believed) = (self.placed[foot].pitch, libm::atan(self.grade.steepness));
+        let (end, footing, angle, rate) = match (heel, toe) {
+            (true, true) => return,
+            (true, false) => (self.sole.heel, Footing::OnHeel, now.min(believed), -SETTLING_RATE),
+            (false, true) => (self.sole.toe, Footing::Rolls, now.max(believed), SETTLING_RATE),
+            (false, false) => {
+                // It has bounced.
+                self.feet[foot].point.velocity.z = -SINKING;
+                return;
+            }
+        };
+        self.footing[foot] = footing;
+        self.feet[foot].point.position = self.placed[foot].point(end);
+        self.feet[foot].angle = AngleReference { angle, velocity: rate, acceleration: 0.0 };
+    }
+
     /// A foot that stands flat.
     pub(super) fn flat(&self, foot: usize) -> ObjectReference {
-        let position = self.below_the_ankle(foot) + self.along_the_sole(self.sole.middle());
+        let position = self.placed[foot].point(self.sole.middle());
         ObjectReference {
-            angle: AngleReference { angle: self.ground.slope, ..AngleReference::default() },
+            angle: AngleReference { angle: self.placed[foot].pitch, ..AngleReference::default() },
             point: PointReference { position, ..PointReference::default() },
         }
     }

@@ -14,9 +14,9 @@ use nalgebra::Vector3;
 
 use super::stance::minimum_jerk;
 use super::{Footing, ObjectReference, Observation, PointReference, xcom};
-use crate::contact::GroundPlane;
 use crate::feet::Sole;
 use crate::scenario::{Adaptation, WalkerSettings};
+use crate::terrain::{Line, Terrain};
 use adapt::{Choice, law};
 use feet::{Flat, Roll};
 use plan::{CopPlan, StepPlan};
@@ -37,6 +37,11 @@ const SETTLED_S: f64 = 0.05;
 /// The most that a step's time changes [s/s].
 const TIME_RATE: f64 = 2.0;
 
+/// A step as long as this tells how the ground is inclined [m].
+const LONG_ENOUGH: f64 = 0.15;
+/// The share of a step's incline in the line that the centre of mass follows.
+const GRADE_SHARE: f64 = 0.5;
+
 /// What the robot does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
@@ -50,8 +55,11 @@ enum Phase {
 #[derive(Clone, Debug)]
 pub struct Walker {
     settings: WalkerSettings,
-    ground: GroundPlane,
+    ground: Terrain,
+    /// Whether it is so; else feet stand as they come to rest.
     ground_known: bool,
+    /// The line that the centre of mass follows, through the stance foot.
+    grade: Line,
     sole: Sole,
     gravity: f64,
     weight: f64,
@@ -71,6 +79,10 @@ pub struct Walker {
     bob: f64,
     heel_off: f64,
     placed: [Flat; 2],
+    /// Whether the stance foot has landed on one end and turns.
+    settling: bool,
+    /// Where the swinging foot's toe left the ground [m].
+    left: Vector3<f64>,
     roll: [Option<Roll>; 2],
     ankle: Motion,
     pitch: Motion,
@@ -87,14 +99,17 @@ pub struct Walker {
 impl Walker {
     /// A robot that stands as in `start`; `mass` [kg] and `gravity` [m/s²].
     pub fn new(
-        settings: WalkerSettings,
+        mut settings: WalkerSettings,
         sole: Sole,
-        ground: GroundPlane,
+        ground: Terrain,
         ground_known: bool,
         mass: f64,
         gravity: f64,
         start: &Observation,
     ) -> Self {
+        if !ground_known {
+            settings.landing_speed_mps = settings.unseen_landing_speed_mps;
+        }
         let choice = Choice {
             length: 0.0,
             duration: 0.0,
@@ -112,6 +127,7 @@ impl Walker {
             gravity,
             weight: mass * gravity,
             settings,
+            grade: Line { x: 0.0, z: 0.0, steepness: ground.base().height_at(1.0) },
             ground,
             ground_known,
             sole,
@@ -125,6 +141,8 @@ impl Walker {
             bob: 0.0,
             heel_off: 0.0,
             placed: [Flat::default(); 2],
+            settling: false,
+            left: Vector3::zeros(),
             roll: [None; 2],
             ankle: Motion::default(),
             pitch: Motion::default(),
@@ -203,7 +221,9 @@ impl Walker {
         let most = settings.speed_change_mps;
         self.speed += (self.wanted_speed(self.time) - self.speed).clamp(-most, most);
         let [duration, height, bob, heel_off] = self.settings.scheduled(self.speed);
-        self.height = [self.height[1], height];
+        let before = self.grade;
+        self.follow_the_ground(stance);
+        self.height = [self.height[1] + before.at(self.way) - self.grade.at(self.way), height];
         self.omega = xcom::eigenfrequency(self.gravity, height);
         let settings = &self.settings;
         let behind = (settings.way_gain * (self.way - self.com)).clamp(-0.1, 0.1);
@@ -231,6 +251,27 @@ impl Walker {
         };
         self.phase = Phase::Stepping { stance, since };
         self.swung = false;
+    }
+
+    /// The centre of mass goes along a line through the foot `stance`, inclined as the ground ahead where it is known, else
+    /// as the last steps were.
+    fn follow_the_ground(&mut self, stance: usize) {
+        if self.ground_known && self.ground.is_even() {
+            return;
+        }
+        let (stance, rear) = (self.placed[stance], self.placed[1 - stance]);
+        let other = if self.ground_known {
+            let ahead = stance.x + self.choice.length;
+            [ahead, self.ground.height_at(ahead)]
+        } else {
+            [rear.x, rear.z]
+        };
+        let mut steepness = self.grade.steepness;
+        if (other[0] - stance.x).abs() > LONG_ENOUGH {
+            let seen = Line::through([stance.x, stance.z], other).steepness;
+            steepness += GRADE_SHARE * (seen - steepness);
+        }
+        self.grade = Line { x: stance.x, z: stance.z, steepness };
     }
 
     /// XcoM at the end of a step that lands at `place` [m].
@@ -286,6 +327,9 @@ impl Walker {
         }
         self.feet[stance] = self.flat(stance);
         self.footing[stance] = Footing::Stands;
+        if self.settling && self.roll[stance].is_none() {
+            self.settle(stance, observation);
+        }
         self.max_load[stance] = f64::INFINITY;
         self.roll_over(stance, Footing::Rolls);
 
@@ -306,6 +350,7 @@ impl Walker {
     fn touch_down(&mut self, stance: usize, elapsed: f64, observation: &Observation) {
         let other = 1 - stance;
         self.place_foot(other, observation);
+        self.settling = !self.ground_known;
         if self.roll[stance].is_none() && self.heel_off > 0.0 {
             self.roll[stance] = Some(self.roll_of(self.settings.double_support_s));
         }
@@ -366,14 +411,14 @@ impl Walker {
 
     /// The centre of mass: along x as far as it has been commanded, its height follows the step.
     pub fn com(&self) -> PointReference {
-        let ground = self.ground.height_at(self.way);
+        let ground = self.grade.at(self.way);
         let mut com = PointReference {
             position: Vector3::new(self.way, 0.0, self.height[1] + ground),
             velocity: Vector3::new(self.speed, 0.0, 0.0),
             acceleration: Vector3::zeros(),
         };
         // Parallel to the ground, so that the pendulum's frequency stays (Kajita et al. 2001).
-        let steepness = self.ground.height_at(1.0);
+        let steepness = self.grade.steepness;
         com.velocity.z = steepness * self.speed;
         com.acceleration.z = steepness * self.omega * self.omega * (self.com - self.cop);
         if let Phase::Stepping { since, .. } = self.phase {
@@ -415,7 +460,7 @@ impl Walker {
 
     /// Height of the ground below it [m].
     pub fn ground_height(&self) -> f64 {
-        self.ground.height_at(self.cop)
+        self.grade.at(self.cop)
     }
 
     /// The foot that swings and since when [s], if one does.

@@ -3,7 +3,6 @@
 use std::ops::RangeInclusive;
 
 use super::{Source, Test, each};
-use crate::contact::GroundPlane;
 use crate::episode::Run;
 use crate::log::{Field, Log};
 use crate::metrics::com_error;
@@ -241,9 +240,8 @@ fn phases(run: &Run) -> Vec<Check> {
 }
 
 fn slack_has_more_rows(run: &Run) -> Check {
-    let ground = GroundPlane::of(&run.scenario.ground, &run.model);
-    let [direct, slack] = [QpForm::Direct, QpForm::Slack]
-        .map(|form| Layout::new(form, &run.scenario.controller.tracking, &run.model, &ground));
+    let [direct, slack] =
+        [QpForm::Direct, QpForm::Slack].map(|form| Layout::new(form, &run.scenario.controller.tracking, &run.model));
     let size = |layout: &Layout| format!("{} variables and {} rows", layout.variables(), layout.rows());
     let finding = format!("slack form {}, direct form {}", size(&slack), size(&direct));
     Check::new(slack.rows() > direct.rows(), finding)

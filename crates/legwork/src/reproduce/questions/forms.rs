@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::{Entry, Question, Table, replay_of};
-use crate::contact::GroundPlane;
 use crate::episode::Timing;
 use crate::error::Error;
 use crate::qp::Layout;
@@ -87,9 +86,8 @@ pub(super) fn question(evidence: &Evidence, times: &[FormTimes], replays: &[Repl
         ("slack, 99 %", "µs"),
     ];
     let run = evidence.run(cases().next().expect("there are cases"));
-    let ground = GroundPlane::of(&run.scenario.ground, &run.model);
     let size = |form| {
-        let layout = Layout::new(form, &run.scenario.controller.tracking, &run.model, &ground);
+        let layout = Layout::new(form, &run.scenario.controller.tracking, &run.model);
         vec![Entry::from(layout.variables() as f64), (layout.rows() as f64).into()]
     };
     let sizes = [("direct", QpForm::Direct), ("slack", QpForm::Slack)];

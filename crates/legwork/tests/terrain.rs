@@ -1,0 +1,80 @@
+//! Uneven ground: the same physics as on a slope, walking over it seen and unseen, patches that hold less.
+
+mod common;
+
+use legwork::episode::{Outcome, Run};
+use legwork::log::Field;
+use legwork::scenario_file;
+
+/// Largest difference of a field between two runs.
+fn apart(a: &Run, b: &Run, field: Field) -> f64 {
+    assert_eq!(a.log.len(), b.log.len());
+    let of = |i: usize| a.log.get(i, field).iter().zip(b.log.get(i, field)).map(|(a, b)| (a - b).abs());
+    (0..a.log.len()).flat_map(of).fold(0.0, f64::max)
+}
+
+/// The ramp's contact directions are turned against those of its level plane; the slope's are its plane's own. Robots that
+/// stand still as long as nothing pushes them, so that references do not differ.
+#[test]
+fn a_ramp_is_a_slope() {
+    let rise = 20.0 * 4f64.to_radians().tan();
+    let ramp = format!("ground.profile=[[-20,{:?}],[20,{rise:?}]]", -rise);
+    for (scenario, more) in [("stand", "pushes=[{force_n=400,start_s=0.2,duration_s=0.2}]"), ("exo-sway", "seed=0")] {
+        let common = ["duration_s=2", more];
+        let slope = common::run(scenario, &[&common[..], &["ground.slope_deg=4"]].concat());
+        let ramp = common::run(scenario, &[&common[..], &[&ramp, "ground.relief_known=true"]].concat());
+        assert_eq!([&slope.outcome, &ramp.outcome], [&Outcome::Completed; 2], "{scenario}");
+        assert_eq!(ramp.audit.violations(), Vec::<String>::new());
+        let apart = apart(&slope, &ramp, Field::Com);
+        assert!(apart < 1e-6, "{scenario}: {apart} m");
+    }
+}
+
+#[test]
+fn it_walks_over_ground_that_it_does_not_see() {
+    for (speed, seed) in [(0.5, 0), (0.5, 1), (1.0, 0), (1.0, 1)] {
+        let run = common::run(
+            "feet-walk",
+            &[&format!("reference.walker.speed_mps={speed}"), "ground.unevenness_m=0.01", &format!("seed={seed}")],
+        );
+        assert_eq!(run.outcome, Outcome::Completed, "{speed} m/s, seed {seed}: {:?}", run.reason);
+        assert_eq!(run.audit.violations(), Vec::<String>::new());
+        assert!(run.metrics.mean_speed_mps > 0.9 * speed);
+    }
+}
+
+#[test]
+fn steps_that_it_sees_are_no_trouble() {
+    let stairs = "ground.profile=[[1.5,0],[1.51,0.04],[3,0.04],[3.01,0.08],[5,0.08],[5.01,0.03]]";
+    for speed in [0.5, 1.0] {
+        let speed = format!("reference.walker.speed_mps={speed}");
+        let run = common::run("feet-walk", &[&speed, stairs, "ground.relief_known=true"]);
+        assert_eq!(run.outcome, Outcome::Completed, "{speed}: {:?}", run.reason);
+    }
+}
+
+#[test]
+fn a_patch_that_holds_less_is_slid_on_and_named() {
+    let run = common::run("push", &["ground.patches=[[-1,3,0.1]]"]);
+    assert!(matches!(run.outcome, Outcome::Fell(_)));
+    let reason = run.reason.expect("a fall has one");
+    assert!(reason.contains("slid") && reason.contains("friction 0.1, assumed to be 0.85"), "{reason}");
+    // Told of it, the controller stays within the cone; elsewhere the ground holds as before.
+    let told = common::run("push", &["ground.patches=[[-1,3,0.1]]", "ground.relief_known=true"]);
+    assert!(told.reason.is_none_or(|reason| !reason.contains("slid")));
+    let away = common::run("push", &["ground.patches=[[50,60,0.1]]"]);
+    assert_eq!(away.outcome, Outcome::Completed);
+}
+
+#[test]
+fn a_ground_that_makes_no_sense_is_refused() {
+    for (setting, says) in [
+        ("ground.profile=[[1,0],[1,0.1]]", "places that increase"),
+        ("ground.patches=[[2,1,0.5]]", "an end beyond its begin"),
+        ("ground.unevenness_m=-0.1", "valid is a number from 0 to 0.5"),
+        ("ground.patches=[[1,2,-0.5]]", "friction"),
+    ] {
+        let error = scenario_file::load("feet-walk", &[setting.to_owned()]).expect_err(setting).to_string();
+        assert!(error.contains(says), "{setting}: {error}");
+    }
+}
