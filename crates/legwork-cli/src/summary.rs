@@ -117,6 +117,13 @@ pub(crate) fn json(run: &Run) -> Value {
             "recovery_time_s": m.recovery_time_s.map(time),
             "recovery_distance_m": m.recovery_distance_m,
             "mean_speed_mps": m.mean_speed_mps,
+            "xcom_error_m": m.xcom_error_m.map(pair),
+            "xcom_margin_min_m": m.xcom_margin_min_m,
+            "xcom_outside_fraction": m.xcom_outside_fraction,
+            "cmp_offset_m": m.cmp_offset_m.map(pair),
+            "capture_steps": m.capture_steps,
+            "uncapturable_fraction": m.uncapturable_fraction,
+            "cost_of_transport": m.cost_of_transport,
         },
         "audit": {
             "energy_error_j": audit.energy_error_j,

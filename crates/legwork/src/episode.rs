@@ -5,6 +5,7 @@ use std::time::Instant;
 use legwork_qp::{Constraint, Status};
 use legwork_rbd::{Dynamics, Model};
 
+use crate::balance::{Meter, Moment};
 use crate::control::{Controller, Estimate, check_model};
 use crate::diagnosis::{self, Diagnosis, Fall};
 use crate::error::Error;
@@ -110,6 +111,8 @@ pub struct Episode {
     /// Dynamics of the estimate, where that is not the true state.
     estimated: Option<Dynamics>,
     log: Log,
+    /// Measures the balance of each tick, where the log has columns for it.
+    meter: Option<Meter>,
     input_hash: u128,
     steps_per_tick: u64,
     ticks: u64,
@@ -145,9 +148,11 @@ impl Episode {
         let controller = Controller::new(scenario, model, samples, &truth)?;
         let period = scenario.controller.period_s;
         let ticks = (scenario.duration_s / period).round() as u64;
+        let log = Log::new(model, controller.layout(), ticks as usize);
         Ok(Self {
             sensors: Sensors::new(&scenario.simulation.sensors, model, period, scenario.seed, &truth),
-            log: Log::new(model, controller.layout(), ticks as usize),
+            meter: (!log.range(Field::Balance).is_empty()).then(|| Meter::new(scenario, model)),
+            log,
             input_hash: input_hash(scenario, model, samples),
             steps_per_tick: (period / scenario.simulation.period_s).round() as u64,
             ticks,
@@ -188,6 +193,7 @@ impl Episode {
         self.tick_times.push(begin.elapsed().as_secs_f64());
         self.record();
 
+        let before = self.meter.is_some().then(|| self.moment());
         let contacts = self.simulator.contact_forces().len();
         let share = 1.0 / self.steps_per_tick as f64;
         let mut sound = true;
@@ -203,6 +209,9 @@ impl Episode {
             let report = simulator.contact_report();
             let period = self.scenario.simulation.period_s;
             record.set(Field::Contact, [f64::from(report.sweeps), report.residual / period]);
+        }
+        if let Some(before) = before {
+            self.record_balance(&before);
         }
         self.tick += 1;
         self.fall = diagnosis::fall(&self.scenario, &self.model, &self.simulator, sound);
@@ -278,9 +287,6 @@ impl Episode {
         let numbers = [u32::from(status), tick.fallback as u32, tick.iterations, tick.solves];
         record.set(Field::Program, numbers.map(f64::from));
         let audit = self.simulator.audit();
-        if !record.is_empty(Field::Balance) {
-            record.set(Field::Balance, self.controller.balance());
-        }
         record.set(Field::Energy, [dynamics.kinetic_energy, dynamics.potential_energy, audit.energy_error_j]);
 
         let program = &mut self.program;
@@ -293,6 +299,27 @@ impl Episode {
             self.first_infeasible = Some(self.truth.time);
             self.conflict.extend_from_slice(&tick.conflict);
         }
+    }
+
+    /// Place and momentum of the robot as a whole.
+    fn moment(&self) -> Moment {
+        Moment::new(self.simulator.time(), &self.model, self.simulator.dynamics(), self.simulator.v())
+    }
+
+    /// Completes the tick's record with the measures of balance, of which some are of the motion since `before`.
+    fn record_balance(&mut self, before: &Moment) {
+        let Some(meter) = &self.meter else { return };
+        let zmp = meter.zmp(&self.model, self.simulator.dynamics(), before, &self.moment());
+        let latest = self.log.len() - 1;
+        let measures = meter.at(&self.log, latest);
+        let [cop_reference, xcom_reference] = self.controller.balance();
+        let found = [measures.cop, zmp, measures.wanted_zmp, measures.cmp, measures.margin()];
+        // In flight there are none: they stay what they were.
+        let kept = latest.checked_sub(1).map(|earlier| self.log.get(earlier, Field::Balance));
+        let kept: [f64; 5] = std::array::from_fn(|k| found[k].unwrap_or_else(|| kept.map_or(0.0, |kept| kept[k + 2])));
+        let steps = measures.steps().map_or(-1.0, f64::from);
+        let places = [cop_reference, xcom_reference].into_iter().chain(kept);
+        self.log.last_mut().set(Field::Balance, places.chain([steps]));
     }
 
     /// Time simulated so far [s].
@@ -324,7 +351,7 @@ impl Episode {
         });
         program.iterations_mean = self.iterations as f64 / self.tick.max(1) as f64;
         Run {
-            metrics: metrics::measure(&self.scenario, &self.log),
+            metrics: metrics::measure(&self.scenario, &self.model, &self.log),
             audit: self.simulator.audit().clone(),
             program,
             timing: Timing { ticks_s: self.tick_times, wall_s },

@@ -16,6 +16,7 @@
 //! # Ok::<(), legwork::error::Error>(())
 //! ```
 
+pub mod balance;
 pub mod contact;
 pub mod control;
 pub mod diagnosis;

@@ -65,7 +65,10 @@ pub enum Field {
     /// Kinetic and potential energy [J], then the error of the energy balance so far [J].
     Energy,
     /// Feet with soles only: centre of pressure that the reference asks for, XcoM's reference, as of the walker; where
-    /// there is none, those that belong to the CoM's reference [m].
+    /// there is none, those that belong to the CoM's reference [m]. Then the measures of [`crate::balance`]: centre of
+    /// pressure, zero-moment point, that of the momentum rate that the planner wants, centroidal moment pivot, margin of the
+    /// XcoM to the base of support [m], each as in the tick before where there is none, and the number of steps to a stop,
+    /// -1 where no number is enough. Forces and rates are means of the control period after the tick.
     Balance,
 }
 
@@ -212,11 +215,6 @@ impl Record<'_> {
         self.each(field, values, |slot, value| *slot = value);
     }
 
-    /// Whether the log has no columns for `field`.
-    pub fn is_empty(&self, field: Field) -> bool {
-        self.fields[field as usize].is_empty()
-    }
-
     /// Adds `values` to what is in `field`.
     pub fn accumulate(&mut self, field: Field, values: impl IntoIterator<Item = f64>) {
         self.each(field, values, |slot, value| *slot += value);
@@ -296,7 +294,9 @@ fn schema(model: &Model, layout: &Layout) -> Vec<(Field, Vec<(String, &'static s
         )
     });
     let has_soles = FootRows::of(model).iter().any(|rows| !rows.angular.is_empty());
-    let balance = ["cop_reference", "xcom_reference"].map(|name| (name.to_owned(), "m")).to_vec();
+    let places = ["cop_reference", "xcom_reference", "cop", "zmp", "zmp_wanted", "cmp", "xcom_margin"];
+    let mut balance = places.map(|name| (name.to_owned(), "m")).to_vec();
+    balance.push(("capture_steps".into(), ""));
     let limits = layout.limits().iter().map(|limit| (format!("limit.{}", limit.name.replace(' ', "_")), ""));
     vec![
         (Field::Time, one("t", "s")),

@@ -2,8 +2,14 @@
 //!
 //! Means are over the control ticks; see docs/metrics.md.
 
+use legwork_rbd::Model;
+
+use crate::balance::Meter;
 use crate::log::{Field, Log};
 use crate::scenario::Scenario;
+
+/// A robot that is slower on the mean does not travel, and has no cost of transport [m/s].
+const TRAVELS: f64 = 0.05;
 
 /// Mean and peak of a figure over a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,6 +51,21 @@ pub struct Metrics {
     pub recovery_distance_m: Option<f64>,
     /// Displacement of the CoM along x over time [m/s].
     pub mean_speed_mps: f64,
+    /// Distance of the XcoM from its reference along x, over the ticks of the CoM error [m].
+    pub xcom_error_m: Option<MeanPeak>,
+    /// Smallest margin of the XcoM to the base of support, negative outside [m]; none without a support.
+    pub xcom_margin_min_m: Option<f64>,
+    /// Share of the ticks with a support in which the XcoM is outside of it; none without.
+    pub xcom_outside_fraction: Option<f64>,
+    /// Distance of the centroidal moment pivot from the centre of pressure, over the ticks on the ground [m]; none in flight.
+    pub cmp_offset_m: Option<MeanPeak>,
+    /// Most steps that were needed to come to a stop, over the ticks with a support in which some number was enough; none
+    /// without such a tick.
+    pub capture_steps: Option<u32>,
+    /// Share of the ticks with a support in which no number of steps was enough; none without a support.
+    pub uncapturable_fraction: Option<f64>,
+    /// Work of the joints, both signs counted, a weight and a metre of the way; none for a robot that does not travel.
+    pub cost_of_transport: Option<f64>,
     /// What each actuated joint was used for.
     pub joints: Vec<JointUse>,
 }
@@ -111,6 +132,15 @@ pub const FIGURES: &[Figure] = &[
     figure("recovery_time_s", "recovery time", "s", |m| m.recovery_time_s),
     figure("recovery_distance_m", "recovery distance", "m", |m| m.recovery_distance_m),
     figure("mean_speed_mps", "mean speed", "m/s", |m| Some(m.mean_speed_mps)),
+    figure("xcom_error_m.mean", "XcoM error", "m", |m| m.xcom_error_m.map(|f| f.mean)),
+    figure("xcom_error_m.peak", "XcoM error", "m", |m| m.xcom_error_m.map(|f| f.peak)),
+    figure("xcom_margin_min_m", "smallest XcoM margin", "m", |m| m.xcom_margin_min_m),
+    figure("xcom_outside_fraction", "XcoM outside of the support", "", |m| m.xcom_outside_fraction),
+    figure("cmp_offset_m.mean", "distance of CMP and CoP", "m", |m| m.cmp_offset_m.map(|f| f.mean)),
+    figure("cmp_offset_m.peak", "distance of CMP and CoP", "m", |m| m.cmp_offset_m.map(|f| f.peak)),
+    figure("capture_steps", "most steps to a stop", "", |m| m.capture_steps.map(f64::from)),
+    figure("uncapturable_fraction", "no number of steps to a stop", "", |m| m.uncapturable_fraction),
+    figure("cost_of_transport", "cost of transport", "", |m| m.cost_of_transport),
 ];
 
 /// A figure of a [`JointUse`]: its key, it in words, its unit, its value.
@@ -125,8 +155,8 @@ pub const JOINT_FIGURES: [JointFigure; 5] = [
     ("power_mean_w", "mean power", "W", |j| j.power_mean_w),
 ];
 
-/// Takes the figures of a `log`.
-pub fn measure(scenario: &Scenario, log: &Log) -> Metrics {
+/// Takes the figures of a `log` of `model`.
+pub fn measure(scenario: &Scenario, model: &Model, log: &Log) -> Metrics {
     let mut metrics = Metrics::default();
     if log.is_empty() {
         return metrics;
@@ -179,7 +209,38 @@ pub fn measure(scenario: &Scenario, log: &Log) -> Metrics {
     if time > 0.0 {
         metrics.mean_speed_mps = (log.get(last, Field::Com)[0] - log.get(first, Field::Com)[0]) / time;
     }
+    balance(&mut metrics, scenario, model, log);
+    // ∫ Σ|τω| dt / (m g d), after Gabrielli & von Kármán 1950: both integrals over the time are means.
+    let power: f64 = metrics.joints.iter().map(|joint| joint.power_mean_w).sum();
+    let (weight, speed) = (model.total_mass() * model.gravity, metrics.mean_speed_mps.abs());
+    metrics.cost_of_transport = (speed >= TRAVELS).then(|| power / (weight * speed));
     metrics
+}
+
+/// The figures of balance, as `crate::balance` measures it.
+fn balance(metrics: &mut Metrics, scenario: &Scenario, model: &Model, log: &Log) {
+    let meter = Meter::new(scenario, model);
+    let from = scenario.metrics.com_error_from_s - 1e-9;
+    let (mut errors, mut margins, mut offsets, mut steps) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for index in 0..log.len() {
+        let measures = meter.at(log, index);
+        if log.time(index) >= from {
+            errors.push((log.get(index, Field::Xcom)[0] - meter.xcom_reference(log, index)).abs());
+        }
+        if let Some(margin) = measures.margin() {
+            margins.push(margin);
+            steps.push(measures.steps());
+        }
+        offsets.extend(measures.cmp.zip(measures.cop).map(|(cmp, cop)| (cmp - cop).abs()));
+    }
+    let pair = |values: &[f64]| (!values.is_empty()).then(|| mean_peak(values.iter().copied()));
+    let share = |count: usize| (!margins.is_empty()).then(|| count as f64 / margins.len() as f64);
+    metrics.xcom_error_m = pair(&errors);
+    metrics.cmp_offset_m = pair(&offsets);
+    metrics.xcom_margin_min_m = margins.iter().copied().reduce(f64::min);
+    metrics.xcom_outside_fraction = share(margins.iter().filter(|margin| **margin < 0.0).count());
+    metrics.capture_steps = steps.iter().copied().flatten().max();
+    metrics.uncapturable_fraction = share(steps.iter().filter(|steps| steps.is_none()).count());
 }
 
 /// What each actuated joint was used for, after Thesis 5.3; the names are those of the torques' columns.

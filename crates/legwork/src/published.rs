@@ -136,5 +136,12 @@ pub fn compare(scenario: &str, metrics: &Metrics) -> Vec<Row> {
         single("recovery time", "s", one(|p| p.recovery_time_s), m.recovery_time_s),
         single("recovery distance", "m", one(|p| p.recovery_distance_m), m.recovery_distance_m),
         single("mean speed", "m/s", one(|p| p.mean_speed_mps), Some(m.mean_speed_mps)),
+        either("XcoM error", "m", None, m.xcom_error_m),
+        single("smallest XcoM margin", "m", None, m.xcom_margin_min_m),
+        single("XcoM outside of the support", "", None, m.xcom_outside_fraction),
+        either("distance of CMP and CoP", "m", None, m.cmp_offset_m),
+        single("most steps to a stop", "", None, m.capture_steps.map(f64::from)),
+        single("no number of steps to a stop", "", None, m.uncapturable_fraction),
+        single("cost of transport", "", None, m.cost_of_transport),
     ]
 }

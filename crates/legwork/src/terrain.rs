@@ -149,12 +149,17 @@ impl Terrain {
         if self.is_even() { gap } else { gap - self.plane.normal.z * self.relief.at(point.x)[0] }
     }
 
+    /// The line through the ground below `x` [m], inclined as the plane is.
+    pub fn line_at(&self, x: f64) -> Line {
+        Line { x, z: self.height_at(x), steepness: self.plane.height_at(1.0) }
+    }
+
     /// What a sole lies on whose ends are `back` and `front` of `x` along it [m]: the line through the ground below both.
     pub fn below_a_sole(&self, x: f64, [back, front]: [f64; 2]) -> Line {
         if self.is_even() || front <= back {
             return Line { x, z: self.height_at(x), steepness: self.steepness_between([x, x]) };
         }
-        let mut line = Line { x, z: self.height_at(x), steepness: self.plane.height_at(1.0) };
+        let mut line = self.line_at(x);
         // The ends come closer as the sole is inclined.
         for _ in 0..3 {
             let across = 1.0 / libm::sqrt(1.0 + line.steepness * line.steepness);

@@ -3,6 +3,7 @@
 use legwork::episode::{Outcome, Run};
 use legwork::log::Field;
 
+use super::balance::Balance;
 use super::chart::{Area, Band, Chart, Content, Panel, Series};
 use super::limits;
 use super::scale::{self, Axis};
@@ -43,6 +44,7 @@ pub(super) fn figures(run: &Run) -> Vec<Figure> {
         Figure { name, title, caption, body }
     };
     let (forces, spikes) = charts.forces();
+    let balance = Balance::new(run, &charts.times);
     vec![
         Figure {
             name: "poses",
@@ -63,6 +65,24 @@ pub(super) fn figures(run: &Run) -> Vec<Figure> {
             "Tracking in the vertical",
             "The feet are read on the left axis, the centre of mass on the right one.".into(),
             charts.tracking_z(),
+        ),
+        figure(
+            "balance",
+            "Balance",
+            "Places on the ground, seen from the centre of mass. Where the forces of the ground act (CoP) and where the change of \
+             momentum says that they must have acted (ZMP) is one point by two ways. Outside of the support, what the planner \
+             wants is a fictitious ZMP, which no ground can give. The CMP lies off the CoP by what turns the robot. What goes \
+             beyond the axis is cut off."
+                .into(),
+            balance.points(),
+        ),
+        figure(
+            "capture",
+            "Steps to a stop",
+            "From where the XcoM can be brought to a stop without a step, with one, with two and with any number of them, by \
+             a linear inverted pendulum with the feet, the longest step and the shortest step time of this robot."
+                .into(),
+            balance.capture(),
         ),
         figure("torques", "Joint torques", "Torques that the program asks for, within their limits.".into(), charts.torques()),
         figure(

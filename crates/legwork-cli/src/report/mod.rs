@@ -4,6 +4,7 @@
 //! text of a drawing shrinks with it. The same runs give the same bytes, save the times between the comments `timing`
 //! and `/timing`.
 
+mod balance;
 mod chart;
 mod charts;
 pub(crate) mod document;
@@ -76,11 +77,12 @@ fn file_name(name: &str) -> String {
 const RUNS_WITH_SECTIONS: usize = 3;
 
 /// The sections of a run, as anchors and headings.
-fn sections(run: &Run) -> [(&'static str, &'static str); 9] {
+fn sections(run: &Run) -> [(&'static str, &'static str); 10] {
     [
         ("motion", "Motion"),
         ("figures", if tables::is_published(run) { "Beside the thesis" } else { "Measured" }),
         ("tracking", "Tracking"),
+        ("balance", "Balance"),
         ("torques", "Joint torques"),
         ("forces", "Ground reaction forces"),
         ("torso", "Torso"),
@@ -121,6 +123,7 @@ fn article(run: &Run, number: usize) -> Markup {
                         "motion" => { (stage::animation(run, &format!("{id}-animation"))) (shown(&["poses"])) }
                         "figures" => (tables::comparison(run)),
                         "tracking" => (shown(&["tracking-x", "tracking-z"])),
+                        "balance" => (shown(&["balance", "capture"])),
                         "books" => (books(run)),
                         "repeat" => (repeat(run)),
                         _ => (shown(&[anchor])),

@@ -188,7 +188,7 @@ fn the_table_holds_published_and_measured_figures() {
 fn every_figure_is_in_the_page_and_in_a_file() {
     let run = run_for(900, "push", &[], None);
     let files: Vec<String> = plots(&run).into_iter().map(|(name, _)| name).collect();
-    let figures = ["poses", "tracking-x", "tracking-z", "torques", "forces", "torso", "limits"];
+    let figures = ["poses", "tracking-x", "tracking-z", "balance", "capture", "torques", "forces", "torso", "limits"];
     assert_eq!(files, figures.map(|figure| format!("push-{figure}.svg")));
     let page = html(&[run]);
     assert_eq!(page.matches("<svg class=\"figure wide\"").count(), figures.len());

@@ -42,6 +42,13 @@ fn contract() -> Value {
             "recovery_time_s": "null",
             "recovery_distance_m": "null",
             "mean_speed_mps": "number",
+            "xcom_error_m": pair,
+            "xcom_margin_min_m": "number",
+            "xcom_outside_fraction": "number",
+            "cmp_offset_m": pair,
+            "capture_steps": "count",
+            "uncapturable_fraction": "number",
+            "cost_of_transport": "null",
         },
         "audit": {
             "energy_error_j": "number",
@@ -84,7 +91,11 @@ fn a_line_a_scenario_with_every_key() {
     assert_eq!(lines[1]["result_hash"], lines[2]["result_hash"]);
 
     for line in &lines {
-        assert_eq!(shape(line), contract());
+        let mut expected = contract();
+        if line["scenario"] == "walk" {
+            expected["metrics"]["cost_of_transport"] = json!("number");
+        }
+        assert_eq!(shape(line), expected);
         assert_eq!(line["outcome"], "completed");
         assert_eq!(line["timing"]["simulated_s"], 0.5);
         assert_eq!(line["audit"]["violations"], json!([]));
@@ -105,6 +116,7 @@ fn a_fall_has_a_time_and_a_reason_and_a_recovery_a_time() {
     (expected["fell_at_s"], expected["reason"]) = (json!("number"), json!("text"));
     expected["cause"] = json!("text");
     expected["metrics"]["recovery_distance_m"] = json!("number");
+    expected["metrics"]["cost_of_transport"] = json!("number");
     assert_eq!((&fell["outcome"], shape(fell)), (&json!("fell"), expected));
     let begin = format!("fell at {:.2} s: ", fell["fell_at_s"].as_f64().unwrap());
     assert!(fell["reason"].as_str().unwrap().starts_with(&begin), "{fell}");

@@ -1,0 +1,128 @@
+//! Balance of whole runs: what is measured twice agrees, and the log says what its records say.
+
+mod common;
+
+use legwork::balance::{Meter, margin};
+use legwork::episode::Run;
+use legwork::log::Field;
+
+/// Places of the columns of [`Field::Balance`].
+const COP: usize = 2;
+const ZMP: usize = 3;
+
+/// Largest and mean distance of the zero-moment point, of masses and velocities, from the centre of pressure, of contact
+/// forces and contact points [m].
+fn zmp_from_cop(run: &Run) -> [f64; 2] {
+    let meter = Meter::new(&run.scenario, &run.model);
+    let zmps = meter.zmps(&run.model, &run.log);
+    let both = zmps.iter().enumerate().filter_map(|(tick, zmp)| zmp.zip(meter.at(&run.log, tick).cop));
+    let distances: Vec<f64> = both.map(|(zmp, cop)| (zmp - cop).abs()).collect();
+    assert!(distances.len() > run.log.len() / 2, "it is on the ground");
+    let largest = distances.iter().copied().fold(0.0, f64::max);
+    [largest, distances.iter().sum::<f64>() / distances.len() as f64]
+}
+
+#[test]
+fn the_zero_moment_point_is_the_centre_of_pressure() {
+    let torso = ["pushes.0.at=torso", "pushes.0.start_s=2.0", "pushes.1.start_s=3.0", "duration_s=5"];
+    for (name, sets) in [
+        ("walk", &[][..]),
+        ("push", &["duration_s=3"]),
+        ("walk-slope", &["duration_s=3"]),
+        ("push-walking", &torso),
+        ("exo-lift", &["duration_s=3"]),
+    ] {
+        let run = common::run(name, sets);
+        let [largest, mean] = zmp_from_cop(&run);
+        // A contact point that lands or slips at 1 m/s moves by 1 mm in the control period of 1 ms; those that stand do
+        // not move. The forces of the pushes alone are worth centimetres.
+        assert!(largest < 1e-3 && mean < 2e-5, "{name}: {largest} m, mean {mean} m");
+    }
+}
+
+#[test]
+fn a_centre_of_pressure_lies_in_the_support_and_a_wanted_one_may_not() {
+    let run = common::run("push", &["duration_s=3"]);
+    let meter = Meter::new(&run.scenario, &run.model);
+    let (mut fictitious, mut stood) = (0, 0);
+    for tick in 0..run.log.len() {
+        let measures = meter.at(&run.log, tick);
+        let Some((capture, cop)) = measures.capture.zip(measures.cop) else { continue };
+        stood += 1;
+        // The flags are of the tick's beginning; a foot may touch down in its period.
+        let touched = run.log.get((tick + 1).min(run.log.len() - 1), Field::Touching);
+        if touched == run.log.get(tick, Field::Touching) {
+            assert!(margin(capture.support, cop) > -1e-9, "{cop} outside of {:?} in tick {tick}", capture.support);
+        }
+        fictitious += usize::from(measures.wanted_zmp.is_some_and(|zmp| margin(capture.support, zmp) < -0.1));
+    }
+    assert!(fictitious > 100 && stood > 2000, "{fictitious} of {stood}");
+}
+
+#[test]
+fn the_log_of_soles_has_the_measures_of_its_records() {
+    let run = common::run("push-walking", &["duration_s=6"]);
+    let meter = Meter::new(&run.scenario, &run.model);
+    let zmps = meter.zmps(&run.model, &run.log);
+    let mut kept = [0.0; 5];
+    for tick in 0..run.log.len() - 1 {
+        let measures = meter.at(&run.log, tick);
+        let found = [measures.cop, zmps[tick], measures.wanted_zmp, measures.cmp, measures.margin()];
+        kept = std::array::from_fn(|k| found[k].unwrap_or(kept[k]));
+        let logged = run.log.get(tick, Field::Balance);
+        assert!(logged[COP..ZMP + 4].iter().zip(kept).all(|(a, b)| (a - b).abs() < 1e-12), "{logged:?}, {kept:?}");
+        assert_eq!(logged[7], measures.steps().map_or(-1.0, f64::from));
+    }
+}
+
+#[test]
+fn the_walkers_wanted_centre_of_pressure_is_what_its_planner_wants_of_the_forces() {
+    let run = common::run("feet-walk", &["duration_s=4", "controller.planner.angular_momentum_gain=0"]);
+    let meter = Meter::new(&run.scenario, &run.model);
+    for tick in 0..run.log.len() {
+        let wanted = meter.at(&run.log, tick).wanted_zmp.expect("the planner wants to stand");
+        let reference = run.log.get(tick, Field::Balance)[0];
+        assert!((wanted - reference).abs() < 1e-9, "{wanted} and {reference} in tick {tick}");
+    }
+}
+
+#[test]
+fn a_push_that_is_too_strong_leaves_no_number_of_steps() {
+    let fraction = |force: &str| {
+        let run = common::run("push", &[&format!("pushes.0.force_n={force}"), "duration_s=3"]);
+        run.metrics.uncapturable_fraction.expect("it stands at first")
+    };
+    assert_eq!(fraction("300"), 0.0);
+    assert!(fraction("2500") > 0.05);
+}
+
+#[test]
+fn a_standing_robot_has_a_margin_and_no_cost_of_transport() {
+    let run = common::run("stand", &["duration_s=1"]);
+    let metrics = &run.metrics;
+    assert_eq!((metrics.cost_of_transport, metrics.capture_steps), (None, Some(0)));
+    assert_eq!((metrics.xcom_outside_fraction, metrics.uncapturable_fraction), (Some(0.0), Some(0.0)));
+    assert!(metrics.xcom_margin_min_m.is_some_and(|margin| margin > 0.2));
+}
+
+#[test]
+fn the_cost_of_transport_is_the_work_of_the_joints_over_weight_and_way() {
+    let run = common::run("walk", &["duration_s=3"]);
+    let (log, period) = (&run.log, run.scenario.controller.period_s);
+    let actuated = log.range(Field::V).len() - log.range(Field::TorqueApplied).len();
+    let work: f64 = (0..log.len() - 1)
+        .map(|tick| {
+            // The joints come after the base; each power over its period by the trapezium rule.
+            let power = |t: usize| -> f64 {
+                let speeds = &log.get(t, Field::V)[actuated..];
+                log.get(t, Field::TorqueApplied).iter().zip(speeds).map(|(a, b)| (a * b).abs()).sum()
+            };
+            0.5 * period * (power(tick) + power(tick + 1))
+        })
+        .sum();
+    let way = log.get(log.len() - 1, Field::Com)[0] - log.get(0, Field::Com)[0];
+    let expected = work / (run.model.total_mass() * run.model.gravity * way);
+    let measured = run.metrics.cost_of_transport.expect("it walks");
+    // They differ by half of the first and last tick's work, of three thousand.
+    assert!((measured / expected - 1.0).abs() < 2e-3, "{measured} and {expected}");
+}
