@@ -53,6 +53,8 @@ pub enum Footing {
     Trails,
     /// It has landed on its heel alone, and its toe comes down.
     OnHeel,
+    /// It has landed on its toe, and its heel comes down.
+    Lands,
     /// It is in the air.
     Swings,
 }
@@ -60,7 +62,7 @@ pub enum Footing {
 impl Footing {
     /// Whether the foot stands on one of its ends alone.
     pub fn is_on_an_end(self) -> bool {
-        matches!(self, Self::Rolls | Self::Trails | Self::OnHeel)
+        matches!(self, Self::Rolls | Self::Trails | Self::Lands | Self::OnHeel)
     }
 }
 
@@ -107,7 +109,7 @@ impl Foot {
         match footing {
             Footing::Stands | Footing::Swings => &self.contacts,
             Footing::OnHeel => &self.ends[0],
-            Footing::Rolls | Footing::Trails => &self.ends[1],
+            Footing::Rolls | Footing::Trails | Footing::Lands => &self.ends[1],
         }
     }
 }

@@ -74,9 +74,12 @@ impl MotionReferencePlanner {
         let goal = &mut self.goal;
 
         // Thesis (4.3), as meant: k_D = P_theta (0 - A_k v).
-        for row in 0..angular {
+        for (row, axis) in model.angular_axes().iter().enumerate() {
             let momentum: f64 = (0..v.len()).map(|j| dynamics.momentum_matrix[(row, j)] * v[j]).sum();
             goal.momentum_rate[row] = -settings.angular_momentum_gain * momentum;
+            if reference.angular_momentum_rate != 0.0 {
+                goal.momentum_rate[row] += axis.dot(&about_y(reference.angular_momentum_rate));
+            }
         }
 
         // Thesis (4.4)

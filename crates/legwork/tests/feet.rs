@@ -202,12 +202,53 @@ fn what_no_leg_and_no_ground_could_bear_is_refused() {
 
 #[test]
 fn it_walks_up_and_down_a_known_slope() {
-    for (slope, speed) in [(5.0, 0.5), (-5.0, 0.5), (-5.0, 1.0)] {
+    for (slope, speed) in [(5.0, 0.5), (-8.0, 0.5), (8.0, 1.0), (-8.0, 1.0), (5.0, 1.25)] {
         let sets = [format!("ground.slope_deg={slope}"), format!("reference.walker.speed_mps={speed}")];
         let run = common::run("feet-walk", &sets.each_ref().map(String::as_str));
         // Uphill a toe lands hard; the audit says so (docs/walking.md).
         assert_eq!(run.outcome, Outcome::Completed, "{:?}", run.reason);
         let measured = (com(&run, 9.9) - com(&run, 5.9)) / 4.0;
         assert!(measured > 0.8 * speed, "{measured} m/s on {slope} deg");
+    }
+}
+
+/// A run at `speed` [m/s] in which the centre of mass is pushed by `impulse` [Ns], forward if positive, for 0.2 s.
+fn pushed(speed: f64, impulse: f64, start: f64, more: &[&str]) -> Run {
+    let (force, direction) = (impulse.abs() / 0.2, if impulse > 0.0 { 0 } else { 180 });
+    let push = format!("pushes=[{{force_n={force},direction_deg={direction},start_s={start},duration_s=0.2}}]");
+    let speed = format!("reference.walker.speed_mps={speed}");
+    let duration = format!("duration_s={}", start + 4.2);
+    common::run("feet-walk", &[&[push.as_str(), &speed, &duration], more].concat())
+}
+
+#[test]
+fn it_survives_pushes_at_any_time_of_a_step() {
+    for (speed, step_time, forward, backward) in [(1.0, 0.571, 85.0, 90.0), (0.5, 0.523, 90.0, 90.0)] {
+        for (phase, impulse) in (0..4).flat_map(|k| [(0.25 * f64::from(k), forward), (0.25 * f64::from(k), -backward)])
+        {
+            let run = pushed(speed, impulse, 4.0 + phase * step_time, &[]);
+            let reason = &run.reason;
+            assert_eq!(run.outcome, Outcome::Completed, "{speed} m/s, {impulse} Ns at {phase} of a step: {reason:?}");
+        }
+    }
+}
+
+#[test]
+fn ankles_hips_and_steps_keep_the_balance_whichever_is_needed() {
+    let leans = |run: &Run| {
+        let reference = |tick: usize| run.log.get(tick, Field::TorsoReference)[0];
+        (0..run.log.len()).map(|tick| (reference(tick) - reference(0)).abs()).fold(0.0, f64::max)
+    };
+    let no_hip = "reference.walker.hip_shift_m=0";
+    for side in [1.0, -1.0] {
+        let small = pushed(0.0, 8.0 * side, 1.0, &[]);
+        assert!(small.metrics.steps == 0 && leans(&small) == 0.0, "the ankles suffice: {}", leans(&small));
+        let middle = if side > 0.0 { 34.0 } else { 42.0 };
+        let hip = pushed(0.0, middle * side, 1.0, &[]);
+        assert!(hip.metrics.steps == 0 && leans(&hip) > 0.02, "{} steps, {}", hip.metrics.steps, leans(&hip));
+        assert_eq!(hip.outcome, Outcome::Completed);
+        assert!(pushed(0.0, middle * side, 1.0, &[no_hip]).metrics.steps > 0, "without the hips it steps");
+        let large = pushed(0.0, 80.0 * side, 1.0, &[]);
+        assert!(large.outcome == Outcome::Completed && large.metrics.steps > 0, "{:?}", large.reason);
     }
 }

@@ -97,7 +97,10 @@ pub fn tracking(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
         goal: goal.torso_acceleration.as_slice(),
         bias: dynamics.torso_bias.as_slice(),
     };
-    task(0..angular, &layout.s_a, weights.torso, &torso);
+    // A torso that leans far or turns fast is righted first.
+    let asked = torso.goal.iter().map(|goal| goal * goal).sum::<f64>();
+    let urgency = weights.torso_urgency_s4 * asked;
+    task(0..angular, &layout.s_a, (1.0 + urgency * urgency) * weights.torso, &torso);
 }
 
 /// A task: `goal - bias - jacobian q̈` is what it is missed by.

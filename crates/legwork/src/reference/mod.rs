@@ -65,9 +65,11 @@ pub struct Reference {
     pub footing: [Footing; 2],
     /// Largest normal force on each [N].
     pub max_load: [f64; 2],
-    /// Where the centre of pressure should be along x [m]. Where it is given, the centre of mass accelerates as it asks,
-    /// and the place of the CoM along x is no goal.
+    /// Where the centre of pressure should be along x [m], or with a rate of angular momentum the moment pivot. Where it is
+    /// given, the centre of mass accelerates as it asks, and the place of the CoM along x is no goal.
     pub cop: Option<f64>,
+    /// Wanted rate of the angular momentum about −y, beside its damping [Nm].
+    pub angular_momentum_rate: f64,
     /// Height of the ground below it [m].
     pub ground_height: f64,
 }
@@ -80,6 +82,7 @@ impl Default for Reference {
             footing: [Footing::Stands; 2],
             max_load: [f64::INFINITY; 2],
             cop: None,
+            angular_momentum_rate: 0.0,
             ground_height: 0.0,
         }
     }
@@ -159,6 +162,7 @@ impl ReferenceGenerator {
         let time = observation.time;
         let mut com = self.com.at(time);
         let reference = &mut self.reference;
+        reference.chest.angle.angle = self.torso_angle;
         match &mut self.feet {
             Feet::Steps(steps) => {
                 steps.update(observation, &com);
@@ -178,12 +182,14 @@ impl ReferenceGenerator {
                 reference.feet = *walker.feet();
                 reference.footing = walker.footing();
                 reference.max_load = walker.max_load();
-                reference.cop = Some(walker.cop());
+                reference.cop = Some(walker.moment_pivot());
+                reference.angular_momentum_rate = walker.angular_momentum_rate();
+                reference.chest.angle = walker.lean();
+                reference.chest.angle.angle += self.torso_angle;
                 reference.ground_height = walker.ground_height();
             }
         }
         reference.chest.point = com;
-        reference.chest.angle.angle = self.torso_angle;
         let swinging = self.swing().map(|(foot, _)| foot);
         if !matches!(self.feet, Feet::Walker(_)) {
             let footing = |foot| if Some(foot) == swinging { Footing::Swings } else { Footing::Stands };

@@ -76,6 +76,8 @@ pub struct Weights {
     pub trailing_rotation_factor: f64,
     /// `C_a`.
     pub torso: f64,
+    /// What the square of the wanted acceleration raises that by: to `1 + (this · α_D²)²` times [s⁴].
+    pub torso_urgency_s4: f64,
     /// Weight of a braking joint's acceleration error where the hard bound (4.32) had to yield.
     pub braking: f64,
 }
@@ -199,6 +201,7 @@ impl Default for ControllerSettings {
                 rolling_rotation_factor: 1.0,
                 trailing_rotation_factor: 1.0,
                 torso: 1e5,
+                torso_urgency_s4: 0.0,
                 braking: 1e4,
             },
             tracking: TrackingSettings { momentum: Tracking::Cost, feet: Tracking::Cost, torso: Tracking::Cost },

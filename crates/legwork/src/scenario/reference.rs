@@ -110,8 +110,14 @@ pub struct WalkerSettings {
     pub cop_span_m: f64,
     /// As far as a share of the step length allows.
     pub cop_span_share: f64,
-    /// How far the wanted centre of pressure may leave the feet before a standing robot steps [m].
+    /// How far the XcoM may leave the feet before a standing robot steps [m].
     pub stand_margin_m: f64,
+    /// How far beyond the feet a turn of the torso shifts the centre of pressure at most [m]; zero forbids it.
+    pub hip_shift_m: f64,
+    /// Angular acceleration of the torso that does that [rad/s²].
+    pub hip_acceleration_radps2: f64,
+    /// The most that the torso leans away for it [rad].
+    pub hip_lean_rad: f64,
     /// What a step under way may change.
     pub adaptation: Adaptation,
     /// Weight of a change of the step's time against one of its place [m²/s²].
@@ -128,6 +134,14 @@ pub struct WalkerSettings {
     pub longest_back_m: f64,
     /// Largest acceleration of the swinging foot [m/s²].
     pub swing_acceleration_mps2: f64,
+    /// Longest way from hip to ankle that a place of landing may need [m].
+    pub leg_m: f64,
+    /// How far the hip is below the centre of mass [m].
+    pub hip_below_com_m: f64,
+    /// The most that the centre of mass is lowered for a long step [m].
+    pub longest_drop_m: f64,
+    /// Largest acceleration of that [m/s²].
+    pub drop_acceleration_mps2: f64,
     /// Height of the swinging toe [m].
     pub clearance_m: f64,
     /// Steps longer than this end with a heel-off [m].
@@ -249,14 +263,19 @@ impl WalkerSettings {
             &mut scaled.cop_centre_m,
             &mut scaled.cop_span_m,
             &mut scaled.stand_margin_m,
+            &mut scaled.hip_shift_m,
             &mut scaled.longest_m,
             &mut scaled.longest_back_m,
+            &mut scaled.leg_m,
+            &mut scaled.hip_below_com_m,
+            &mut scaled.longest_drop_m,
             &mut scaled.clearance_m,
             &mut scaled.heel_off_from_m,
         ] {
             *length *= stature;
         }
         scaled.heel_off_turn /= stature;
+        scaled.hip_acceleration_radps2 /= stature;
         for duration in [
             &mut scaled.double_support_s,
             &mut scaled.settling_s,
@@ -320,7 +339,10 @@ impl Default for ReferenceSettings {
                 cop_centre_m: 0.0744,
                 cop_span_m: 0.148,
                 cop_span_share: 1.18,
-                stand_margin_m: 0.03,
+                stand_margin_m: 0.02,
+                hip_shift_m: 0.15,
+                hip_acceleration_radps2: 14.0,
+                hip_lean_rad: 0.6,
                 adaptation: Adaptation::PlaceAndTime,
                 time_weight: 0.147,
                 offset_weight: 152.0,
@@ -328,7 +350,11 @@ impl Default for ReferenceSettings {
                 longest_step_s: 1.17,
                 longest_m: 1.1,
                 longest_back_m: 0.45,
-                swing_acceleration_mps2: 54.7,
+                swing_acceleration_mps2: 80.0,
+                leg_m: 0.83,
+                hip_below_com_m: 0.105,
+                longest_drop_m: 0.1,
+                drop_acceleration_mps2: 3.0,
                 clearance_m: 0.0427,
                 heel_off_from_m: 0.2,
                 heel_off_turn: 1.6,

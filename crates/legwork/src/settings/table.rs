@@ -262,8 +262,23 @@ pub const SETTINGS: &[Setting] = &[
         "m",
         [0.0, 1.0],
         OURS,
-        "How far the wanted centre of pressure may leave the feet before a standing robot steps.",
+        "How far the XcoM may leave the feet before a standing robot steps.",
     ),
+    number(
+        "reference.walker.hip_shift_m",
+        "m",
+        [0.0, 1.0],
+        OURS,
+        "How far beyond the feet a turn of the torso shifts the centre of pressure at most; zero forbids it.",
+    ),
+    number(
+        "reference.walker.hip_acceleration_radps2",
+        "rad/s²",
+        [0.1, 100.0],
+        OURS,
+        "Angular acceleration of the torso that does that.",
+    ),
+    number("reference.walker.hip_lean_rad", "rad", [0.01, 1.5], OURS, "The most that the torso leans away for it."),
     choice(
         "reference.walker.adaptation",
         &["none", "place", "place-and-time"],
@@ -295,6 +310,22 @@ pub const SETTINGS: &[Setting] = &[
         FEET,
         "Largest acceleration of the swinging foot.",
     ),
+    number(
+        "reference.walker.leg_m",
+        "m",
+        LENGTH,
+        FEET,
+        "Longest way from hip to ankle that a place of landing may need.",
+    ),
+    number("reference.walker.hip_below_com_m", "m", LENGTH, FEET, "How far the hip is below the centre of mass."),
+    number(
+        "reference.walker.longest_drop_m",
+        "m",
+        [0.0, 0.5],
+        OURS,
+        "Most that the centre of mass is lowered for a long step.",
+    ),
+    number("reference.walker.drop_acceleration_mps2", "m/s2", [0.1, 100.0], OURS, "Largest acceleration of that."),
     number("reference.walker.clearance_m", "m", [0.0, 1.0], FEET, "Height of the swinging toe."),
     number("reference.walker.heel_off_from_m", "m", LENGTH, OURS, "Steps longer than this end with a heel-off."),
     number(
@@ -425,6 +456,13 @@ pub const SETTINGS: &[Setting] = &[
     ),
     number("controller.weights.torso", "", WEIGHT, FINAL, "Weight of the torso's angular acceleration error.")
         .called("C_a"),
+    number(
+        "controller.weights.torso_urgency_s4",
+        "s4",
+        WEIGHT,
+        OURS,
+        "What the square of the torso's wanted acceleration raises its weight by.",
+    ),
     number(
         "controller.weights.braking",
         "",

@@ -9,10 +9,18 @@ fn unknown_keys() {
     refuses("seed = 1\nsped = 2\n", "my.toml:2: sped", &["did you mean seed?", "valid here: controller, description"]);
     refuses("duration_ms = 4000\n", "my.toml:1: duration_ms", &["did you mean duration_s?"]);
     refuses("speed_mps = 1\n", "my.toml:1: speed_mps", &["did you mean reference.com.speed_mps?"]);
-    refuses("[ground]\n\nslope = 1\n", "my.toml:3: ground.slope", &["ground.slope_deg?", "friction, known, patches, profile, relief_known, slope_deg"]);
+    refuses(
+        "[ground]\n\nslope = 1\n",
+        "my.toml:3: ground.slope",
+        &["ground.slope_deg?", "friction, known, patches, profile, relief_known, slope_deg"],
+    );
     refuses("[contoler.limits]\ntorque_nm = 1\n", "my.toml:1: contoler", &["did you mean controller?"]);
     refuses("controller.limit.torque_nm = 1\n", "my.toml:1: controller.limit", &["did you mean controller.limits?"]);
-    refuses("ground = { wet = true }\n", "my.toml:1: ground.wet", &["valid here: friction, known, patches, profile, relief_known, slope_deg"]);
+    refuses(
+        "ground = { wet = true }\n",
+        "my.toml:1: ground.wet",
+        &["valid here: friction, known, patches, profile, relief_known, slope_deg"],
+    );
     refuses("\"a\\nb\" = 1\n", "my.toml:1: a\\nb", &["unknown; valid here"]);
 }
 

@@ -26,11 +26,12 @@ pub(super) struct Choice {
     pub(super) time_is_free: bool,
 }
 
-/// A landing: when after the step's begin [s], and where [m].
+/// A landing: when after the step's begin [s], and where [m]; where the centre of mass is then [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Landing {
     pub(super) time: f64,
     pub(super) place: f64,
+    pub(super) com: f64,
 }
 
 /// The law of the centre of pressure: reference and feedback, within the foot.
@@ -39,18 +40,18 @@ pub(super) fn law(plan: &StepPlan, gain: f64, xcom: f64, reference: f64, time: f
     wanted.clamp(low, high)
 }
 
-/// The best landing, where the XcoM is `xcom` at `now` [s]; `range(time)` are the ends of the support, `reach(time)`
-/// those of the places that the foot can reach.
+/// The best landing, where centre of mass and XcoM are `com` and `xcom` at `now` [s]; `range(time)` are the ends of the
+/// support, `reach(time, com)` those of the places that the foot can reach by then with the centre of mass there.
 pub(super) fn best_landing(
     plan: &StepPlan,
     gain: f64,
     choice: &Choice,
     now: f64,
-    mut xcom: f64,
+    [mut com, mut xcom]: [f64; 2],
     range: impl Fn(f64) -> [f64; 2],
-    reach: impl Fn(f64) -> [f64; 2],
+    reach: impl Fn(f64, f64) -> [f64; 2],
 ) -> Landing {
-    let mut best = Landing { time: plan.cop.time[3], place: choice.length };
+    let mut best = Landing { time: plan.cop.time[3], place: choice.length, com };
     let mut least = f64::INFINITY;
     let growth = libm::exp(plan.omega * GRID_S);
     let mut time = now;
@@ -65,19 +66,22 @@ pub(super) fn best_landing(
             let step = GRID_S.min(next - cop_time);
             let cop = law(plan, gain, xcom, plan.xcom(cop_time), cop_time, range(cop_time));
             let factor = if step == GRID_S { growth } else { libm::exp(plan.omega * step) };
-            xcom = cop + (xcom - cop) * factor;
+            // ẋ = ω (ξ - x), too
+            let half = 0.5 * (xcom - cop);
+            com = cop + half * factor + (com - cop - half) / factor;
+            xcom = cop + 2.0 * half * factor;
             cop_time += step;
         }
         time = next;
         if time >= choice.earliest - 1e-9 || !choice.time_is_free {
-            let [low, high] = reach(time);
+            let [low, high] = reach(time, com);
             let wanted = (xcom - choice.offset[0]) / (1.0 + choice.offset[1]);
             let place = wanted.clamp(low, high);
             let missed = xcom - place - choice.offset[0] - choice.offset[1] * place;
             let (far, late) = (place - choice.length, time - choice.duration);
             let cost = far * far + choice.time_weight * late * late + choice.offset_weight * missed * missed;
             if cost < least {
-                (least, best) = (cost, Landing { time, place });
+                (least, best) = (cost, Landing { time, place, com });
             }
         }
         next += GRID_S;
@@ -118,19 +122,19 @@ mod tests {
         [-0.05, 0.18]
     }
 
-    fn anywhere(_time: f64) -> [f64; 2] {
+    fn anywhere(_time: f64, _com: f64) -> [f64; 2] {
         [-1.0, 1.0]
     }
 
     fn landing(disturbance: f64, change: impl Fn(&mut Choice)) -> Landing {
         let (plan, mut choice) = nominal();
         change(&mut choice);
-        best_landing(&plan, 3.0, &choice, 0.2, plan.xcom(0.2) + disturbance, foot, anywhere)
+        best_landing(&plan, 3.0, &choice, 0.2, [0.0, plan.xcom(0.2) + disturbance], foot, anywhere)
     }
 
     #[test]
     fn an_undisturbed_step_stays_as_planned() {
-        let Landing { time, place } = landing(0.0, |_| {});
+        let Landing { time, place, .. } = landing(0.0, |_| {});
         // The centre of pressure is rolled forward in steps of the grid, of which this is the error.
         assert!((time - 0.5).abs() < GRID_S && (place - LENGTH).abs() < 0.02, "{time} s, {place} m");
     }
@@ -152,8 +156,22 @@ mod tests {
     #[test]
     fn a_place_out_of_reach_is_not_chosen() {
         let (plan, choice) = nominal();
-        let short = |_time: f64| [0.0, 0.45];
-        let chosen = best_landing(&plan, 3.0, &choice, 0.2, plan.xcom(0.2) + 0.2, foot, short);
+        let short = |_time: f64, _com: f64| [0.0, 0.45];
+        let chosen = best_landing(&plan, 3.0, &choice, 0.2, [0.0, plan.xcom(0.2) + 0.2], foot, short);
         assert!(chosen.place <= 0.45 && chosen.time < 0.5, "{chosen:?}");
+        let leg = |_time: f64, com: f64| [com - 0.2, com + 0.2];
+        let chosen = best_landing(&plan, 3.0, &choice, 0.2, [0.0, plan.xcom(0.2) + 0.2], foot, leg);
+        assert!((chosen.place - chosen.com - 0.2).abs() < 1e-12, "as far as the leg reaches: {chosen:?}");
+    }
+
+    #[test]
+    fn the_centre_of_mass_is_rolled_forward_as_a_pendulum() {
+        let (plan, mut choice) = nominal();
+        choice.time_is_free = false;
+        let (com, xcom, cop, left) = (-0.02, 0.3, 0.05, 0.3);
+        let chosen = best_landing(&plan, 3.0, &choice, 0.2, [com, xcom], |_| [cop; 2], anywhere);
+        let (sinh, cosh) = (libm::sinh(OMEGA * left), libm::cosh(OMEGA * left));
+        let expected = cop + (com - cop) * cosh + (xcom - com) * sinh;
+        assert!((chosen.com - expected).abs() < 1e-12, "{} and {expected}", chosen.com);
     }
 }

@@ -19,6 +19,8 @@ const SETTLING_RATE: f64 = 1.0;
 
 /// How fast it goes on down where it has lost the ground again [m/s].
 const SINKING: f64 = 0.2;
+/// A heel is up where its foot is turned by more than this [rad].
+const HEEL_UP_RAD: f64 = 0.015;
 
 /// A foot that rolls over its toe.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,6 +102,15 @@ impl Walker {
         let toe = self.placed[foot].point(self.sole.toe);
         self.feet[foot] =
             ObjectReference { angle, point: PointReference { position: toe, ..PointReference::default() } };
+    }
+
+    /// A standing foot whose heel is up turns down about its toe; were its middle held at the same time, the toe would be
+    /// pressed into the ground.
+    pub(super) fn set_down(&mut self, foot: usize, observation: &Observation) {
+        if observation.pitch[foot][0] - self.placed[foot].pitch < -HEEL_UP_RAD {
+            self.footing[foot] = Footing::Lands;
+            self.feet[foot].point.position = self.placed[foot].point(self.sole.toe);
+        }
     }
 
     /// The rear foot leaves the ground as it stands or rolls.
@@ -200,7 +211,7 @@ impl Walker {
         let (end, footing, angle, rate) = match (heel, toe) {
             (true, true) => return,
             (true, false) => (self.sole.heel, Footing::OnHeel, now.min(believed), -SETTLING_RATE),
-            (false, true) => (self.sole.toe, Footing::Rolls, now.max(believed), SETTLING_RATE),
+            (false, true) => (self.sole.toe, Footing::Lands, now.max(believed), SETTLING_RATE),
             (false, false) => {
                 // It has bounced.
                 self.feet[foot].point.velocity.z = -SINKING;

@@ -7,13 +7,15 @@
 
 mod adapt;
 mod feet;
+mod landing;
 mod plan;
+mod stand;
 mod swing;
 
 use nalgebra::Vector3;
 
 use super::stance::minimum_jerk;
-use super::{Footing, ObjectReference, Observation, PointReference, xcom};
+use super::{AngleReference, Footing, ObjectReference, Observation, PointReference, xcom};
 use crate::feet::Sole;
 use crate::scenario::{Adaptation, WalkerSettings};
 use crate::terrain::{Line, Terrain};
@@ -26,21 +28,17 @@ use swing::Motion;
 const STANDING: f64 = 0.02;
 /// Feet that are closer than this stand together [m].
 const TOGETHER: f64 = 0.04;
+/// The way that is caught up where the centre of mass is not where it should be [m].
+const FARTHEST_M: f64 = 0.15;
 /// A step begins at most that long after its touchdown [s].
 const EARLY_S: f64 = 0.05;
 /// Touchdown counts after this share of a swing.
 const LATE: f64 = 0.6;
-/// A foot's place is settled that long before it is above it [s].
-const HELD_S: f64 = 0.02;
-/// A step's time is settled that long before the foot lands [s].
-const SETTLED_S: f64 = 0.05;
-/// The most that a step's time changes [s/s].
-const TIME_RATE: f64 = 2.0;
 
 /// A step as long as this tells how the ground is inclined [m].
 const LONG_ENOUGH: f64 = 0.15;
 /// The share of a step's incline in the line that the centre of mass follows.
-const GRADE_SHARE: f64 = 0.5;
+const GRADE_SHARE: f64 = 0.1;
 
 /// What the robot does.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +85,12 @@ pub struct Walker {
     ankle: Motion,
     pitch: Motion,
     swung: bool,
+    /// How far the centre of mass is lowered for a long step, and how far it will be when the foot lands [m].
+    drop: Motion,
+    drop_to: f64,
+    /// How far the torso leans to keep the balance [rad], and that shift of the centre of pressure that this stands for [m].
+    lean: Motion,
+    hip_shift: f64,
     com: f64,
     xcom: f64,
     xcom_reference: f64,
@@ -147,6 +151,10 @@ impl Walker {
             ankle: Motion::default(),
             pitch: Motion::default(),
             swung: false,
+            drop: Motion::default(),
+            drop_to: 0.0,
+            lean: Motion::default(),
+            hip_shift: 0.0,
             com: start.com.x,
             xcom: start.com.x,
             xcom_reference: start.com.x,
@@ -187,31 +195,8 @@ impl Walker {
     /// Stands or walks, `step` [s] after the tick before; once more, with none, in a tick in which a step begins.
     fn act(&mut self, step: f64, observation: &Observation) {
         match self.phase {
-            Phase::Standing => self.stand(observation),
+            Phase::Standing => self.stand(step, observation),
             Phase::Stepping { stance, since } => self.walk(stance, self.time - since, step, observation),
-        }
-    }
-
-    /// Both feet stand: the centre of pressure holds the XcoM above their middle.
-    fn stand(&mut self, observation: &Observation) {
-        let [right, left] = self.placed;
-        let middle = 0.5 * (right.x + left.x) + self.settings.cop_centre_m;
-        let low = right.x.min(left.x) + self.sole.heel + self.settings.cop_margin_m;
-        let high = right.x.max(left.x) + self.sole.toe - self.settings.cop_margin_m;
-        self.xcom_reference = middle;
-        let wanted = middle + (1.0 + self.settings.cop_gain / self.omega) * (self.xcom - middle);
-        self.cop = wanted.clamp(low, high);
-        self.footing = [Footing::Stands; 2];
-        self.max_load = [f64::INFINITY; 2];
-        (0..2).for_each(|foot| self.feet[foot] = self.flat(foot));
-        let speed = self.wanted_speed(self.time);
-        let away = wanted - self.cop;
-        if speed.abs() > STANDING || self.settings.march || away.abs() > self.settings.stand_margin_m {
-            let forward = if away.abs() > self.settings.stand_margin_m { away } else { speed };
-            // The foot ahead stands.
-            let stance = usize::from((left.x - right.x) * forward.signum() >= 0.0);
-            self.way = observation.com.x;
-            self.begin_step(stance, self.time - self.settings.double_support_s);
         }
     }
 
@@ -223,17 +208,20 @@ impl Walker {
         let [duration, height, bob, heel_off] = self.settings.scheduled(self.speed);
         let before = self.grade;
         self.follow_the_ground(stance);
-        self.height = [self.height[1] + before.at(self.way) - self.grade.at(self.way), height];
+        self.height = [self.height[1] + before.at(self.com) - self.grade.at(self.com), height];
         self.omega = xcom::eigenfrequency(self.gravity, height);
         let settings = &self.settings;
-        let behind = (settings.way_gain * (self.way - self.com)).clamp(-0.1, 0.1);
+        // What a push has cost is not to be caught up.
+        self.way = self.way.max(self.com - FARTHEST_M).min(self.com + FARTHEST_M);
+        let behind = settings.way_gain * (self.way - self.com);
         let length = ((self.speed + behind) * duration).clamp(-settings.longest_back_m, settings.longest_m);
-        (self.bob, self.heel_off) = (bob, if length > settings.heel_off_from_m { heel_off } else { 0.0 });
+        (self.bob, self.heel_off) = (bob, heel_off);
         let span = (settings.cop_span_share * length).clamp(-settings.cop_span_m, settings.cop_span_m);
         let clip = |cop: f64| cop.clamp(self.sole.heel + settings.cop_margin_m, self.sole.toe - settings.cop_margin_m);
         let first = clip(settings.cop_centre_m - 0.5 * span);
-        let last = if self.heel_off > 0.0 { self.sole.toe } else { clip(settings.cop_centre_m + 0.5 * span) };
-        let time = [0.0, settings.double_support_s, duration - self.heel_off, duration];
+        let rolls = length > settings.heel_off_from_m;
+        let last = if rolls { self.sole.toe } else { clip(settings.cop_centre_m + 0.5 * span) };
+        let time = [0.0, settings.double_support_s, if rolls { duration - heel_off } else { duration }, duration];
         // The next step begins with the rear foot `u` behind and ends as a nominal step does.
         let next = |u: f64| CopPlan { time, cop: [last - u, first, last, last] };
         let nominal = length + next(length).offset(self.omega, length);
@@ -274,6 +262,11 @@ impl Walker {
         self.grade = Line { x: stance.x, z: stance.z, steepness };
     }
 
+    /// Whether the step is long enough for the stance foot to roll over its toe.
+    fn heel_lifts(&self) -> bool {
+        self.place > self.settings.heel_off_from_m
+    }
+
     /// XcoM at the end of a step that lands at `place` [m].
     fn end(&self, place: f64) -> f64 {
         place + self.choice.offset[0] + self.choice.offset[1] * place
@@ -282,7 +275,7 @@ impl Walker {
     /// Ends of the support at `time` [s] of the step; in double support it shrinks as the rear foot unloads.
     fn support(&self, stance: usize, time: f64) -> [f64; 2] {
         let margin = self.settings.cop_margin_m;
-        let rolls = time >= self.plan.cop.time[2] && self.heel_off > 0.0;
+        let rolls = time >= self.plan.cop.time[2] && self.heel_lifts();
         let mut low = if rolls { self.sole.toe } else { self.sole.heel + margin };
         let mut high = if rolls { self.sole.toe } else { self.sole.toe - margin };
         let loaded = (1.0 - time / self.settings.double_support_s).min(1.0);
@@ -310,6 +303,8 @@ impl Walker {
             self.adapt(stance, time, step);
         }
         let end = self.plan.cop.time[3];
+        self.drop = self.drop.toward(self.drop_to, end - time, step);
+        self.lean_by(self.hip_return(), step);
         let phase = (time - lift_off) / (end - lift_off);
         if self.swung && phase > LATE && observation.load[other] > self.settings.touchdown_force_n {
             self.touch_down(stance, time, observation);
@@ -322,15 +317,17 @@ impl Walker {
         self.cop = origin + law(&self.plan, gain, self.xcom - origin, reference, time, self.support(stance, time));
 
         // The stance foot
-        if self.heel_off > 0.0 && self.roll[stance].is_none() && time >= self.plan.cop.time[2] {
+        if self.heel_lifts() && self.roll[stance].is_none() && time >= self.plan.cop.time[2] {
             self.roll[stance] = Some(self.roll_of(self.heel_off + lift_off));
         }
         self.feet[stance] = self.flat(stance);
         self.footing[stance] = Footing::Stands;
-        if self.settling && self.roll[stance].is_none() {
+        self.max_load[stance] = f64::INFINITY;
+        if self.ground_known {
+            self.set_down(stance, observation);
+        } else if self.settling {
             self.settle(stance, observation);
         }
-        self.max_load[stance] = f64::INFINITY;
         self.roll_over(stance, Footing::Rolls);
 
         // The other one
@@ -351,7 +348,7 @@ impl Walker {
         let other = 1 - stance;
         self.place_foot(other, observation);
         self.settling = !self.ground_known;
-        if self.roll[stance].is_none() && self.heel_off > 0.0 {
+        if self.roll[stance].is_none() && self.heel_lifts() {
             self.roll[stance] = Some(self.roll_of(self.settings.double_support_s));
         }
         let apart = (self.placed[other].x - self.placed[stance].x).abs();
@@ -367,51 +364,9 @@ impl Walker {
         }
     }
 
-    /// Chooses place and time of landing.
-    fn adapt(&mut self, stance: usize, time: f64, step: f64) {
-        let settings = &self.settings;
-        let settled = self.plan.cop.time[3] - settings.settling_s - time < HELD_S;
-        if settings.adaptation == Adaptation::None || step == 0.0 || settled {
-            return;
-        }
-        let xcom = self.xcom - self.placed[stance].x;
-        let end = self.plan.cop.time[3];
-        let mut choice = self.choice;
-        let settled = settings.settling_s + SETTLED_S;
-        choice.time_is_free &= end - time > settled;
-        choice.earliest = choice.earliest.max(time + settled);
-        let (ankle, limit) = (self.ankle, settings.swing_acceleration_mps2);
-        let settling = settings.settling_s;
-        let (longest, back) = (settings.longest_m, settings.longest_back_m);
-        let reach = |landing: f64| {
-            let [low, high] = ankle.reach(limit, (landing - settling - time).max(0.02));
-            [low.clamp(-back, longest), high.clamp(-back, longest)]
-        };
-        let now = time.min(end);
-        let landing = adapt::best_landing(
-            &self.plan,
-            settings.cop_gain,
-            &choice,
-            now,
-            xcom,
-            |at| self.support(stance, at),
-            reach,
-        );
-        self.place = landing.place;
-        let times = &mut self.plan.cop.time;
-        let change = (landing.time - times[3]).clamp(-TIME_RATE * step, TIME_RATE * step);
-        if choice.time_is_free {
-            times[3] += change;
-            if self.roll[stance].is_none() {
-                times[2] = (times[3] - self.heel_off).max(time);
-            }
-        }
-        self.plan.end = self.end(self.place);
-    }
-
     /// The centre of mass: along x as far as it has been commanded, its height follows the step.
     pub fn com(&self) -> PointReference {
-        let ground = self.grade.at(self.way);
+        let ground = self.grade.at(self.com);
         let mut com = PointReference {
             position: Vector3::new(self.way, 0.0, self.height[1] + ground),
             velocity: Vector3::new(self.speed, 0.0, 0.0),
@@ -421,6 +376,9 @@ impl Walker {
         let steepness = self.grade.steepness;
         com.velocity.z = steepness * self.speed;
         com.acceleration.z = steepness * self.omega * self.omega * (self.com - self.cop);
+        com.position.z -= self.drop.value;
+        com.velocity.z -= self.drop.rate;
+        com.acceleration.z -= self.drop.acceleration;
         if let Phase::Stepping { since, .. } = self.phase {
             // Lowest in the middle of double support.
             let rate = std::f64::consts::TAU / self.plan.cop.time[3];
@@ -451,6 +409,22 @@ impl Walker {
     /// Largest normal force of each foot [N].
     pub fn max_load(&self) -> [f64; 2] {
         self.max_load
+    }
+
+    /// How the torso should lean away from its reference [rad].
+    pub fn lean(&self) -> AngleReference {
+        let Motion { value, rate, acceleration } = self.lean;
+        AngleReference { angle: value, velocity: rate, acceleration }
+    }
+
+    /// Rate of the angular momentum that goes with it [Nm].
+    pub fn angular_momentum_rate(&self) -> f64 {
+        -self.weight * self.hip_shift
+    }
+
+    /// Where the centre of pressure should be if the torso did not lean [m].
+    pub fn moment_pivot(&self) -> f64 {
+        self.cop + self.hip_shift
     }
 
     /// Where the centre of pressure should be [m].

@@ -1,0 +1,85 @@
+//! Where and when the swinging foot lands, as far as foot and leg reach.
+
+use super::adapt::{self, Landing};
+use super::{Adaptation, Walker};
+
+/// A foot's place is settled that long before it is above it [s].
+const HELD_S: f64 = 0.02;
+/// A step's time is settled that long before the foot lands [s].
+const SETTLED_S: f64 = 0.05;
+/// The most that a step's time changes [s/s].
+const TIME_RATE: f64 = 2.0;
+/// Reach is reckoned for at least that long [s].
+const LEAST_S: f64 = 0.02;
+
+impl Walker {
+    /// Chooses place and time of landing.
+    pub(super) fn adapt(&mut self, stance: usize, time: f64, step: f64) {
+        let settings = &self.settings;
+        let settled = self.plan.cop.time[3] - settings.settling_s - time < HELD_S;
+        if settings.adaptation == Adaptation::None || step == 0.0 || settled {
+            return;
+        }
+        let origin = self.placed[stance].x;
+        let end = self.plan.cop.time[3];
+        let mut choice = self.choice;
+        let settled = settings.settling_s + SETTLED_S;
+        choice.time_is_free &= end - time > settled;
+        choice.earliest = choice.earliest.max(time + settled);
+        let (longest, back) = (settings.longest_m, settings.longest_back_m);
+        let reach = |landing: f64, com: f64| {
+            let left = (landing - settings.settling_s - time).max(LEAST_S);
+            let foot = self.ankle.reach(settings.swing_acceleration_mps2, left);
+            let leg = self.leg_reach(landing - time);
+            let low = foot[0].max(com + leg[0]).clamp(-back, longest);
+            [low, foot[1].min(com + leg[1]).min(longest).max(low)]
+        };
+        let landing = adapt::best_landing(
+            &self.plan,
+            settings.cop_gain,
+            &choice,
+            time.min(end),
+            [self.com - origin, self.xcom - origin],
+            |at| self.support(stance, at),
+            reach,
+        );
+        self.go_for(landing, stance, time, if choice.time_is_free { TIME_RATE * step } else { 0.0 });
+    }
+
+    /// Goes for a landing; its time changes by no more than `most` [s] now.
+    fn go_for(&mut self, landing: Landing, stance: usize, time: f64, most: f64) {
+        self.place = landing.place;
+        self.drop_to = self.drop_for(landing.place - landing.com);
+        let (lifts, heel_off) = (self.heel_lifts(), self.heel_off);
+        let times = &mut self.plan.cop.time;
+        times[3] += (landing.time - times[3]).clamp(-most, most);
+        if self.roll[stance].is_none() {
+            times[2] = if lifts { (times[3] - heel_off).max(time) } else { times[3] };
+        }
+        self.plan.end = self.end(self.place);
+    }
+
+    /// Height of the hip above the ankle of a foot below it, where nothing lowers it [m].
+    fn hip_height(&self) -> f64 {
+        self.height[1] - 0.5 * self.bob - self.settings.hip_below_com_m - self.sole.ankle
+    }
+
+    /// Places of the foot that the leg reaches in `left` [s], from the centre of mass, which is lowered until then [m].
+    fn leg_reach(&self, left: f64) -> [f64; 2] {
+        let settings = &self.settings;
+        let [_, drop] = self.drop.reach(settings.drop_acceleration_mps2, left.max(LEAST_S));
+        let height = self.hip_height() - drop.clamp(0.0, settings.longest_drop_m);
+        // d² + (h - s d)² = l² on ground of the steepness s
+        let steepness = self.grade.steepness;
+        let (a, b) = (1.0 + steepness * steepness, steepness * height);
+        let root = (b * b - a * (height * height - settings.leg_m * settings.leg_m)).max(0.0).sqrt();
+        [(b - root) / a, (b + root) / a]
+    }
+
+    /// How far the centre of mass has to be lowered for a foot to land that far before it [m].
+    fn drop_for(&self, ahead: f64) -> f64 {
+        let leg = self.settings.leg_m;
+        let height = self.grade.steepness * ahead + (leg * leg - ahead * ahead).max(0.0).sqrt();
+        (self.hip_height() - height).clamp(0.0, self.settings.longest_drop_m)
+    }
+}
