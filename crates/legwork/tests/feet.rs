@@ -185,8 +185,11 @@ fn what_no_leg_and_no_ground_could_bear_is_refused() {
         ("reference.walker.speed_mps=2.4", "m; the legs reach 1.1 m"),
         ("reference.walker.speeds=[[0,0],[1,0.5],[1,0.6]]", "row 2: valid are times that increase"),
         ("reference.walker.schedule=[]", "found no row"),
-        ("reference.walker.schedule=[[0,0.6,0.98,0,0.1],[0,0.6,0.98,0,0.1]]", "row 1: valid are speeds that increase"),
-        ("reference.walker.schedule=[[0,0.25,0.98,0,0.1]]", "row 0: a step of 0.25 s"),
+        (
+            "reference.walker.schedule=[[0,0.6,0.98,0,0.1,0.1],[0,0.6,0.98,0,0.1,0.1]]",
+            "row 1: valid are speeds that increase",
+        ),
+        ("reference.walker.schedule=[[0,0.25,0.98,0,0.1,0.1]]", "row 0: a step of 0.25 s"),
         ("ground.slope_deg=45", "a slope of 45 deg needs a friction of 1.000"),
         ("wearer.mass_kg=500", "found 500"),
     ] {

@@ -92,8 +92,11 @@ pub struct WalkerSettings {
     pub speed_change_mps: f64,
     /// Whether it steps in place where the commanded speed is zero.
     pub march: bool,
-    /// Rows `[speed_mps, step_time_s, com_height_m, bob_m, heel_off_s]`: what changes with the speed; linear between them.
-    pub schedule: Vec<[f64; 5]>,
+    /// Rows `[speed_mps, step_time_s, com_height_m, bob_m, lowest, heel_off_s]`: what changes with the speed; linear between
+    /// them.
+    pub schedule: Vec<[f64; 6]>,
+    /// How much lower the centre of mass is on ground that rises, for a steepness of 1 [m].
+    pub climb_lowering_m: f64,
     /// Time in which the rear foot is unloaded [s].
     pub double_support_s: f64,
     /// Most that the rear foot carries as it begins to be unloaded, in weights.
@@ -233,11 +236,12 @@ pub enum LeastStep {
 }
 
 impl WalkerSettings {
-    /// What the schedule has for `speed` [m/s]: step time [s], height of the centre of mass [m], its bob [m], heel-off [s].
+    /// What the schedule has for `speed` [m/s]: step time [s], height of the centre of mass [m], its bob [m], the
+    /// share of the step after which it is lowest, heel-off [s].
     ///
     /// # Panics
     /// Where the schedule has no row; a scenario that was read has one.
-    pub fn scheduled(&self, speed: f64) -> [f64; 4] {
+    pub fn scheduled(&self, speed: f64) -> [f64; 5] {
         let (rows, speed) = (&self.schedule, speed.abs());
         let after = rows.iter().position(|row| row[0] > speed).unwrap_or(rows.len());
         let (a, b) = (rows[after.saturating_sub(1)], rows[after.min(rows.len() - 1)]);
@@ -251,7 +255,7 @@ impl WalkerSettings {
     pub fn for_stature(&self, stature: f64) -> Self {
         let mut scaled = self.clone();
         let time = libm::sqrt(stature);
-        for [speed, step_time, com_height, bob, heel_off] in &mut scaled.schedule {
+        for [speed, step_time, com_height, bob, _lowest, heel_off] in &mut scaled.schedule {
             *speed *= time;
             *step_time *= time;
             *com_height *= stature;
@@ -259,6 +263,7 @@ impl WalkerSettings {
             *heel_off *= time;
         }
         for length in [
+            &mut scaled.climb_lowering_m,
             &mut scaled.cop_margin_m,
             &mut scaled.cop_centre_m,
             &mut scaled.cop_span_m,
@@ -326,11 +331,12 @@ impl Default for ReferenceSettings {
                 speed_change_mps: 0.25,
                 march: false,
                 schedule: vec![
-                    [0.0, 0.515, 0.958, 0.0, 0.145],
-                    [0.5, 0.523, 1.0, 0.0117, 0.134],
-                    [1.0, 0.571, 0.975, 0.00317, 0.18],
-                    [1.25, 0.522, 0.939, 0.0, 0.11],
+                    [0.0, 0.515, 0.958, 0.0, 0.38, 0.145],
+                    [0.5, 0.523, 1.0, 0.01, 0.38, 0.134],
+                    [1.0, 0.571, 0.975, 0.01, 0.35, 0.18],
+                    [1.25, 0.522, 0.945, 0.017, 0.5, 0.11],
                 ],
+                climb_lowering_m: 0.3,
                 double_support_s: 0.1,
                 unloading: 2.11,
                 way_gain: 0.6,

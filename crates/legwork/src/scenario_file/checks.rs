@@ -159,7 +159,7 @@ fn walker_conflict(scenario: &Scenario) -> Option<(&'static [&'static str], Stri
         return Some((schedule, problem));
     }
     let shortest = walker.double_support_s + walker.shortest_swing_s;
-    for (row, &[_, step_time, _, _, heel_off]) in walker.schedule.iter().enumerate() {
+    for (row, &[_, step_time, .., heel_off]) in walker.schedule.iter().enumerate() {
         if step_time < shortest || step_time > walker.longest_step_s || heel_off >= step_time - walker.double_support_s
         {
             let problem = format!(

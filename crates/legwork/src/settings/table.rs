@@ -30,11 +30,12 @@ const POINT: [Column; 3] =
     [Column::new("x", -10.0, 10.0), Column::new("y", -10.0, 10.0), Column::new("z", -10.0, 10.0)];
 
 const SPEEDS: [Column; 2] = [Column::new("t_s", 0.0, 3600.0), Column::new("speed_mps", -2.0, 2.5)];
-const SCHEDULE: [Column; 5] = [
+const SCHEDULE: [Column; 6] = [
     Column::new("speed_mps", 0.0, 2.5),
     Column::new("step_time_s", 0.2, 5.0),
     Column::new("com_height_m", 0.05, 5.0),
     Column::new("bob_m", 0.0, 0.2),
+    Column::new("lowest", 0.0, 1.0),
     Column::new("heel_off_s", 0.0, 1.0),
 ];
 
@@ -215,7 +216,14 @@ pub const SETTINGS: &[Setting] = &[
         "reference.walker.schedule",
         Valid::Rows(&SCHEDULE),
         FEET,
-        "What changes with the speed: step time, height of the centre of mass and its bob, time from the heel's lift-off to the landing.",
+        "What changes with the speed: step time, height of the centre of mass, its bob and the share of the step after which it is lowest, time from the heel's lift-off to the landing.",
+    ),
+    number(
+        "reference.walker.climb_lowering_m",
+        "m",
+        [0.0, 2.0],
+        OURS,
+        "How much lower the centre of mass is uphill, for a steepness of 1.",
     ),
     number("reference.walker.double_support_s", "s", [0.01, 1.0], FEET, "Time in which the rear foot is unloaded."),
     number(

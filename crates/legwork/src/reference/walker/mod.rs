@@ -75,6 +75,8 @@ pub struct Walker {
     /// Time of the latest update [s].
     time: f64,
     bob: f64,
+    /// The share of the step after which the centre of mass is lowest.
+    lowest: f64,
     heel_off: f64,
     placed: [Flat; 2],
     /// Whether the stance foot has landed on one end and turns.
@@ -143,6 +145,7 @@ impl Walker {
             way: start.com.x,
             time: start.time,
             bob: 0.0,
+            lowest: 0.0,
             heel_off: 0.0,
             placed: [Flat::default(); 2],
             settling: false,
@@ -205,9 +208,11 @@ impl Walker {
         let settings = &self.settings;
         let most = settings.speed_change_mps;
         self.speed += (self.wanted_speed(self.time) - self.speed).clamp(-most, most);
-        let [duration, height, bob, heel_off] = self.settings.scheduled(self.speed);
+        let [duration, height, bob, lowest, heel_off] = self.settings.scheduled(self.speed);
         let before = self.grade;
         self.follow_the_ground(stance);
+        // Uphill the rear leg would come to its end.
+        let height = height - self.settings.climb_lowering_m * (self.grade.steepness * self.speed.signum()).max(0.0);
         self.height = [self.height[1] + before.at(self.com) - self.grade.at(self.com), height];
         self.omega = xcom::eigenfrequency(self.gravity, height);
         let settings = &self.settings;
@@ -215,7 +220,7 @@ impl Walker {
         self.way = self.way.max(self.com - FARTHEST_M).min(self.com + FARTHEST_M);
         let behind = settings.way_gain * (self.way - self.com);
         let length = ((self.speed + behind) * duration).clamp(-settings.longest_back_m, settings.longest_m);
-        (self.bob, self.heel_off) = (bob, heel_off);
+        (self.bob, self.lowest, self.heel_off) = (bob, lowest, heel_off);
         let span = (settings.cop_span_share * length).clamp(-settings.cop_span_m, settings.cop_span_m);
         let clip = |cop: f64| cop.clamp(self.sole.heel + settings.cop_margin_m, self.sole.toe - settings.cop_margin_m);
         let first = clip(settings.cop_centre_m - 0.5 * span);
@@ -380,9 +385,8 @@ impl Walker {
         com.velocity.z -= self.drop.rate;
         com.acceleration.z -= self.drop.acceleration;
         if let Phase::Stepping { since, .. } = self.phase {
-            // Lowest in the middle of double support.
             let rate = std::f64::consts::TAU / self.plan.cop.time[3];
-            let (sin, cos) = libm::sincos(rate * (self.time - since - 0.5 * self.settings.double_support_s));
+            let (sin, cos) = libm::sincos(rate * (self.time - since) - std::f64::consts::TAU * self.lowest);
             let half = 0.5 * self.bob;
             let (left, duration) = (self.height[0] - self.height[1], self.choice.duration);
             let change = Motion::from(minimum_jerk(self.time, since, duration));
