@@ -80,6 +80,19 @@ Exit code: 0 done (what does not hold is a result), 1 a file could not be read
 or written, 2 wrong invocation or input, 130 interrupted (Ctrl-C keeps what
 was finished).";
 
+const COMPARE_HELP: &str = "\
+Examples:
+  legwork compare --report comparison.html
+  legwork compare --quick --speeds 0.5
+  legwork compare walk walk-support --set ground.friction=0.5 --json
+
+Both scenarios must walk at a constant speed, which is set to each of --speeds.
+--set changes both.
+
+Exit code: 0 done (a speed that is not walked is a result), 1 a file could not
+be read or written, 2 wrong invocation or input, 130 interrupted (Ctrl-C keeps
+what was finished).";
+
 const BENCH_HELP: &str = "\
 Examples:
   legwork bench
@@ -120,6 +133,9 @@ pub(crate) enum Command {
     /// Find the top speed, the largest push, the lowest torque limit, and what the actuators must deliver
     #[command(after_help = LIMITS_HELP)]
     Limits(LimitsArgs),
+    /// Hold two robots beside each other and a person: torques, energy, pushes, what the actuators must deliver
+    #[command(after_help = COMPARE_HELP)]
+    Compare(CompareArgs),
     /// Hold everything that the thesis reports beside what is measured: tables, sweeps, limits, claims, open questions
     #[command(after_help = REPRODUCE_HELP)]
     Reproduce(ReproduceArgs),
@@ -262,6 +278,40 @@ pub(crate) struct LimitsArgs {
 fn share(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|number| (0.0..=10.0).contains(number));
     number.ok_or_else(|| "valid is a number from 0 to 10".to_owned())
+}
+
+/// Options of `compare`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct CompareArgs {
+    /// A scenario that walks: built in, or a TOML file
+    #[arg(value_name = "A", default_value = "walk")]
+    pub(crate) first: String,
+    /// Another
+    #[arg(value_name = "B", default_value = "feet-walk")]
+    pub(crate) second: String,
+    /// The speeds in m/s, separated by commas; pushes strike at the first that both walk at
+    #[arg(long, value_name = "SPEEDS", value_delimiter = ',', default_values_t = [0.5, 1.0], allow_negative_numbers = true, value_parser = speed)]
+    pub(crate) speeds: Vec<f64>,
+    /// Change a setting of both
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub(crate) sets: Vec<String>,
+    /// Coarser steps, fewer phases, a smaller map
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Write a self-contained page with tables and figures
+    #[arg(long, value_name = "FILE.html")]
+    pub(crate) report: Option<PathBuf>,
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Number of threads; all cores by default
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) threads: Option<u16>,
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| *number != 0.0 && number.abs() <= 5.0);
+    number.ok_or_else(|| "valid is a number from -5 to 5, not zero".to_owned())
 }
 
 /// A part of `limits`.

@@ -5,6 +5,7 @@
 
 mod args;
 mod bench;
+mod compare;
 mod inspect;
 mod limits;
 mod list;
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
             None => study::run(&options, &mut output),
         },
         Command::Limits(options) => limits::limits(&options, &mut output),
+        Command::Compare(options) => compare::compare(&options, &mut output),
         Command::Reproduce(options) => reproduce::reproduce(&options, &mut output),
         Command::Tune(options) => tune::run(&options, &mut output),
         Command::Bench(options) => bench::bench(&options, &mut output),

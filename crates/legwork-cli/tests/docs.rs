@@ -49,7 +49,7 @@ fn commands(text: &str) -> Vec<String> {
 }
 
 fn is_command(text: &str) -> bool {
-    let known = ["run ", "list", "show ", "inspect ", "study ", "limits --", "tune "]
+    let known = ["run ", "list", "show ", "inspect ", "study ", "limits --", "compare --", "tune "]
         .iter()
         .any(|name| text.starts_with(&format!("legwork {name}")));
     // Names in capitals and dots stand for something.

@@ -66,12 +66,12 @@ fn ticks(scenario: &str, sets: &[&str]) -> Result<usize, Box<dyn Error>> {
     let recording = record(scenario, sets)?;
     let (before, counted) = recording.estimates.split_at(WARM_UP);
     let mut controller = recording.controller()?;
-    let mut dynamics = Dynamics::new(recording.model());
+    let mut dynamics = Dynamics::new(recording.known());
     for estimate in before {
-        dynamics.update(recording.model(), &estimate.q, &estimate.v);
+        dynamics.update(recording.known(), &estimate.q, &estimate.v);
         controller.tick(estimate, &dynamics);
     }
-    count_ticks(recording.model(), &mut dynamics, &mut controller, counted);
+    count_ticks(recording.known(), &mut dynamics, &mut controller, counted);
     Ok(counted.len())
 }
 

@@ -290,6 +290,11 @@ impl Controller {
         }
     }
 
+    /// Asks for another walking speed from now on [m/s]; see [`ReferenceGenerator::command_speed`].
+    pub fn command_speed(&mut self, speed: f64) {
+        self.generator.command_speed(speed);
+    }
+
     /// The report of the latest tick.
     pub fn latest(&self) -> &Tick {
         &self.tick

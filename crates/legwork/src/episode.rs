@@ -15,6 +15,7 @@ use crate::qp::Layout;
 use crate::scenario::Scenario;
 use crate::sim::Simulator;
 use crate::sim::audit::Audit;
+use crate::sim::model_error;
 use crate::sim::sensors::Sensors;
 use crate::start::start_pose;
 use crate::terrain::Terrain;
@@ -72,8 +73,10 @@ impl Timing {
 pub struct Run {
     /// What was run.
     pub scenario: Scenario,
-    /// The robot.
+    /// The robot as it is.
     pub model: Model,
+    /// The robot as the controller knows it; the same but for `simulation.model_error`.
+    pub known: Model,
     /// The program's layout, with the names of its limits.
     pub layout: Layout,
     /// How it ended.
@@ -102,13 +105,16 @@ pub struct Run {
 #[derive(Clone, Debug)]
 pub struct Episode {
     scenario: Scenario,
+    /// The robot as it is.
     model: Model,
+    /// The robot as the controller knows it.
+    known: Model,
     controller: Controller,
     simulator: Simulator,
     sensors: Sensors,
     truth: Estimate,
     estimate: Estimate,
-    /// Dynamics of the estimate, where that is not the true state.
+    /// Dynamics of the estimate, where state or robot are not the true ones.
     estimated: Option<Dynamics>,
     log: Log,
     /// Measures the balance of each tick, where the log has columns for it.
@@ -127,7 +133,8 @@ pub struct Episode {
 }
 
 impl Episode {
-    /// A run of `scenario` with `model`; `samples` are the rows of the CoM file, where the scenario names one.
+    /// A run of `scenario` with the robot that the controller knows as `model`; `samples` are the rows of the CoM file, where
+    /// the scenario names one.
     ///
     /// # Errors
     /// The start pose cannot be taken, a push names an unknown body, the CoM trajectory is not valid, or the model is
@@ -136,7 +143,9 @@ impl Episode {
         check_model(model, scenario.reference.generator)?;
         let ground = Terrain::of(scenario, model);
         let q = start_pose(scenario, model, &ground)?;
-        let simulator = Simulator::new(scenario, model, q.as_slice())?;
+        let (known, error) = (model, scenario.simulation.model_error);
+        let model = model_error::real(known, error, scenario.seed);
+        let simulator = Simulator::new(scenario, &model, q.as_slice())?;
         let touching = (0..model.contacts.len()).map(|contact| simulator.touching(contact)).collect();
         let truth = Estimate {
             time: 0.0,
@@ -145,15 +154,15 @@ impl Episode {
             touching,
             load: vec![0.0; model.contacts.len()],
         };
-        let controller = Controller::new(scenario, model, samples, &truth)?;
+        let controller = Controller::new(scenario, known, samples, &truth)?;
         let period = scenario.controller.period_s;
         let ticks = (scenario.duration_s / period).round() as u64;
-        let log = Log::new(model, controller.layout(), ticks as usize);
+        let log = Log::new(&model, controller.layout(), ticks as usize);
         Ok(Self {
-            sensors: Sensors::new(&scenario.simulation.sensors, model, period, scenario.seed, &truth),
-            meter: (!log.range(Field::Balance).is_empty()).then(|| Meter::new(scenario, model)),
+            sensors: Sensors::new(&scenario.simulation.sensors, &model, period, scenario.seed, &truth),
+            meter: (!log.range(Field::Balance).is_empty()).then(|| Meter::new(scenario, &model)),
             log,
-            input_hash: input_hash(scenario, model, samples),
+            input_hash: input_hash(scenario, known, samples),
             steps_per_tick: (period / scenario.simulation.period_s).round() as u64,
             ticks,
             tick: 0,
@@ -164,10 +173,11 @@ impl Episode {
             iterations: 0,
             tick_times: Vec::with_capacity(ticks as usize),
             estimate: truth.clone(),
-            estimated: (!scenario.simulation.sensors.are_ideal()).then(|| Dynamics::new(model)),
+            estimated: (!scenario.simulation.sensors.are_ideal() || error > 0.0).then(|| Dynamics::new(known)),
             truth,
             scenario: scenario.clone(),
-            model: model.clone(),
+            known: known.clone(),
+            model,
             controller,
             simulator,
         })
@@ -182,10 +192,10 @@ impl Episode {
         let begin = Instant::now();
         match &mut self.estimated {
             Some(dynamics) => {
-                dynamics.update(&self.model, &self.estimate.q, &self.estimate.v);
+                dynamics.update(&self.known, &self.estimate.q, &self.estimate.v);
                 self.controller.tick(&self.estimate, dynamics);
             }
-            // The simulator has just computed them for the same state.
+            // The simulator has just computed them for the same state and robot.
             None => {
                 self.controller.tick(&self.estimate, self.simulator.dynamics());
             }
@@ -322,6 +332,25 @@ impl Episode {
         self.log.last_mut().set(Field::Balance, places.chain([steps]));
     }
 
+    /// Asks the walker for another speed from now on [m/s].
+    ///
+    /// # Errors
+    /// No finite number, or a speed whose steps the legs do not reach, as in a scenario.
+    pub fn command_speed(&mut self, speed: f64) -> Result<(), Error> {
+        let mut asked = self.scenario.clone();
+        (asked.reference.walker.speeds, asked.reference.walker.speed_mps) = (Vec::new(), speed);
+        match crate::scenario_file::checks::walker_conflict(&asked) {
+            _ if !speed.is_finite() => {
+                Err(Error::invalid("reference.walker.speed_mps", format!("found {speed}; valid is a finite number")))
+            }
+            Some((_, problem)) => Err(Error::invalid("reference.walker.speed_mps", problem)),
+            None => {
+                self.controller.command_speed(speed);
+                Ok(())
+            }
+        }
+    }
+
     /// Time simulated so far [s].
     pub fn time(&self) -> f64 {
         self.simulator.time()
@@ -360,6 +389,7 @@ impl Episode {
             layout: self.controller.layout().clone(),
             scenario: self.scenario,
             model: self.model,
+            known: self.known,
             outcome,
             reason: diagnosis.as_ref().map(|diagnosis| diagnosis.sentence.clone()),
             diagnosis,

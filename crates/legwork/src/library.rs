@@ -61,6 +61,10 @@ const STUDIES: &[Entry] = &[
     ("pushes", include_str!("../../../studies/pushes.toml")),
     ("sensing", include_str!("../../../studies/sensing.toml")),
     ("step-time", include_str!("../../../studies/step-time.toml")),
+    ("feet-speeds", include_str!("../../../studies/feet-speeds.toml")),
+    ("feet-terrain", include_str!("../../../studies/feet-terrain.toml")),
+    ("feet-monte-carlo", include_str!("../../../studies/feet-monte-carlo.toml")),
+    ("feet-wearers", include_str!("../../../studies/feet-wearers.toml")),
 ];
 
 const TUNINGS: &[Entry] = &[("thesis", include_str!("../../../tunings/thesis.toml"))];

@@ -170,6 +170,13 @@ impl Log {
         }
     }
 
+    /// The records from `time` [s] on.
+    #[must_use]
+    pub fn since(&self, time: f64) -> Self {
+        let first = (0..self.len()).find(|&index| self.time(index) >= time - 1e-9).unwrap_or(self.len());
+        Self { values: self.values[first * self.columns.len()..].to_vec(), ..self.clone() }
+    }
+
     /// All values of the column at `index`.
     pub fn column(&self, index: usize) -> impl Iterator<Item = f64> + Clone + '_ {
         self.records().map(move |record| record[index])

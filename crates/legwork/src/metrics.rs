@@ -1,6 +1,6 @@
 //! The figures of a run, each defined here and nowhere else. Thesis 5.3, Tables 6.1-6.5
 //!
-//! Means are over the control ticks; see docs/metrics.md.
+//! Means are over the control ticks from `metrics.from_s` on; see docs/metrics.md.
 
 use legwork_rbd::Model;
 
@@ -51,6 +51,11 @@ pub struct Metrics {
     pub recovery_distance_m: Option<f64>,
     /// Displacement of the CoM along x over time [m/s].
     pub mean_speed_mps: f64,
+    /// The same from when a commanded constant speed should have been reached on; none without one, or where the run ends
+    /// before.
+    pub steady_speed_mps: Option<f64>,
+    /// Mean distance of the CoM from its reference over these ticks, as far as they count for the CoM error [m].
+    pub steady_com_error_m: Option<f64>,
     /// Distance of the XcoM from its reference along x, over the ticks of the CoM error [m].
     pub xcom_error_m: Option<MeanPeak>,
     /// Smallest margin of the XcoM to the base of support, negative outside [m]; none without a support.
@@ -132,6 +137,8 @@ pub const FIGURES: &[Figure] = &[
     figure("recovery_time_s", "recovery time", "s", |m| m.recovery_time_s),
     figure("recovery_distance_m", "recovery distance", "m", |m| m.recovery_distance_m),
     figure("mean_speed_mps", "mean speed", "m/s", |m| Some(m.mean_speed_mps)),
+    figure("steady_speed_mps", "steady speed", "m/s", |m| m.steady_speed_mps),
+    figure("steady_com_error_m", "steady CoM error", "m", |m| m.steady_com_error_m),
     figure("xcom_error_m.mean", "XcoM error", "m", |m| m.xcom_error_m.map(|f| f.mean)),
     figure("xcom_error_m.peak", "XcoM error", "m", |m| m.xcom_error_m.map(|f| f.peak)),
     figure("xcom_margin_min_m", "smallest XcoM margin", "m", |m| m.xcom_margin_min_m),
@@ -164,7 +171,8 @@ pub fn measure(scenario: &Scenario, model: &Model, log: &Log) -> Metrics {
     let dimension = log.range(Field::Com).len();
     let contact =
         |index: usize, field: Field| -> Vec<f64> { log.get(index, field).chunks_exact(dimension).map(norm).collect() };
-    let ticks = 0..log.len();
+    let first = first_tick(scenario, log);
+    let ticks = first..log.len();
     let from = scenario.metrics.com_error_from_s;
     let late = ticks.clone().filter(|&i| log.time(i) >= from - 1e-9);
     if late.clone().next().is_some() {
@@ -182,19 +190,19 @@ pub fn measure(scenario: &Scenario, model: &Model, log: &Log) -> Metrics {
     metrics.grf_simulated_n = mean_peak(ticks.clone().flat_map(|i| contact(i, Field::GrfSimulated)));
     metrics.u2_n2m2 = mean_peak(ticks.clone().map(|i| log.get(i, Field::Torque).iter().map(|t| t * t).sum()));
 
-    metrics.joints = joints(log);
+    metrics.joints = joints(log, first);
 
     let swing = log.range(Field::Swing).start;
-    let swinging = log.column(swing).filter(|&foot| foot >= 0.0).count();
-    metrics.single_support_fraction = swinging as f64 / log.len() as f64;
+    let swinging = log.column(swing).skip(first).filter(|&foot| foot >= 0.0).count();
+    metrics.single_support_fraction = swinging as f64 / ticks.len() as f64;
     let mut before = -1.0;
-    for since in log.column(swing + 1) {
-        metrics.steps += u32::from(since > before);
+    for (index, since) in log.column(swing + 1).enumerate() {
+        metrics.steps += u32::from(since > before && index >= first);
         before = before.max(since);
     }
     let begin = scenario.pushes.iter().map(|push| push.start_s).reduce(f64::min);
     if let Some(begin) = begin.filter(|&begin| begin <= log.time(log.len() - 1)) {
-        let after = ticks.filter(|&i| log.time(i) >= begin);
+        let after = (0..log.len()).filter(|&i| log.time(i) >= begin);
         metrics.recovery_distance_m = Some(after.clone().map(|i| com_offset(log, i, 0).abs()).fold(0.0, f64::max));
         let within = scenario.metrics.recovered_within_m;
         let last_out = after.rev().find(|&i| com_error(log, i) > within);
@@ -204,12 +212,9 @@ pub fn measure(scenario: &Scenario, model: &Model, log: &Log) -> Metrics {
             None => Some(0.0),
         };
     }
-    let (first, last) = (0, log.len() - 1);
-    let time = log.time(last) - log.time(first);
-    if time > 0.0 {
-        metrics.mean_speed_mps = (log.get(last, Field::Com)[0] - log.get(first, Field::Com)[0]) / time;
-    }
-    balance(&mut metrics, scenario, model, log);
+    metrics.mean_speed_mps = speed_since(log, first).unwrap_or(0.0);
+    steady(&mut metrics, scenario, log);
+    balance(&mut metrics, scenario, model, log, first);
     // ∫ Σ|τω| dt / (m g d), after Gabrielli & von Kármán 1950: both integrals over the time are means.
     let power: f64 = metrics.joints.iter().map(|joint| joint.power_mean_w).sum();
     let (weight, speed) = (model.total_mass() * model.gravity, metrics.mean_speed_mps.abs());
@@ -217,12 +222,35 @@ pub fn measure(scenario: &Scenario, model: &Model, log: &Log) -> Metrics {
     metrics
 }
 
-/// The figures of balance, as `crate::balance` measures it.
-fn balance(metrics: &mut Metrics, scenario: &Scenario, model: &Model, log: &Log) {
+/// Displacement of the CoM along x over time from record `first` on [m/s]; none without time.
+fn speed_since(log: &Log, first: usize) -> Option<f64> {
+    let last = log.len() - 1;
+    let time = log.time(last) - log.time(first);
+    (time > 0.0).then(|| (log.get(last, Field::Com)[0] - log.get(first, Field::Com)[0]) / time)
+}
+
+/// The figures of a walk at a constant speed, once it should be steady.
+fn steady(metrics: &mut Metrics, scenario: &Scenario, log: &Log) {
+    let Some(commanded) = scenario.reference.commanded_speed().filter(|commanded| commanded.speed_mps != 0.0) else {
+        return;
+    };
+    let from = |time: f64| (0..log.len()).find(|&i| log.time(i) >= time - 1e-9);
+    metrics.steady_speed_mps = from(commanded.steady_from_s).and_then(|first| speed_since(log, first));
+    let counts = from(commanded.steady_from_s.max(scenario.metrics.com_error_from_s));
+    metrics.steady_com_error_m = counts.map(|first| mean_peak((first..log.len()).map(|i| com_error(log, i))).mean);
+}
+
+/// The first tick that counts: from `metrics.from_s` on, or all of them where the run ends before.
+fn first_tick(scenario: &Scenario, log: &Log) -> usize {
+    (0..log.len()).find(|&index| log.time(index) >= scenario.metrics.from_s - 1e-9).unwrap_or(0)
+}
+
+/// The figures of balance from the tick `first` on, as `crate::balance` measures it.
+fn balance(metrics: &mut Metrics, scenario: &Scenario, model: &Model, log: &Log, first: usize) {
     let meter = Meter::new(scenario, model);
     let from = scenario.metrics.com_error_from_s - 1e-9;
     let (mut errors, mut margins, mut offsets, mut steps) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for index in 0..log.len() {
+    for index in first..log.len() {
         let measures = meter.at(log, index);
         if log.time(index) >= from {
             errors.push((log.get(index, Field::Xcom)[0] - meter.xcom_reference(log, index)).abs());
@@ -243,15 +271,16 @@ fn balance(metrics: &mut Metrics, scenario: &Scenario, model: &Model, log: &Log)
     metrics.uncapturable_fraction = share(steps.iter().filter(|steps| steps.is_none()).count());
 }
 
-/// What each actuated joint was used for, after Thesis 5.3; the names are those of the torques' columns.
-fn joints(log: &Log) -> Vec<JointUse> {
+/// What each actuated joint was used for from the tick `first` on, after Thesis 5.3; the names are those of the torques'
+/// columns.
+fn joints(log: &Log, first: usize) -> Vec<JointUse> {
     let name = |column: usize| log.columns()[column].name.split_once('.').map_or("", |(_, name)| name);
     let torques = log.range(Field::TorqueApplied);
     torques
         .map(|torque| {
             let joint = name(torque).to_owned();
             let speed = log.range(Field::V).find(|&column| name(column) == joint).expect("an actuated joint moves");
-            let used = log.column(torque).zip(log.column(speed));
+            let used = log.column(torque).zip(log.column(speed)).skip(first);
             let of = |figure: fn(f64, f64) -> f64| mean_peak(used.clone().map(|(t, v)| figure(t, v)));
             let (squared, power) = (of(|t, _| t * t), of(|t, v| (t * v).abs()));
             JointUse {

@@ -16,7 +16,9 @@ use crate::sim::sensors::Sensors;
 #[derive(Clone, Debug)]
 pub struct Recording {
     scenario: Scenario,
+    /// The robot as it is, and as the controller knows it.
     model: Model,
+    known: Model,
     samples: Vec<[f64; 3]>,
     start: Estimate,
     /// What the controller was told, a tick each.
@@ -48,6 +50,7 @@ impl Recording {
             steps_per_tick: (period / scenario.simulation.period_s).round() as usize,
             scenario: scenario.clone(),
             model: run.model.clone(),
+            known: run.known.clone(),
             samples: samples.to_vec(),
             start,
         }
@@ -58,7 +61,7 @@ impl Recording {
     /// # Errors
     /// None for the controller that made the run; else those of [`Controller::new`].
     pub fn controller(&self) -> Result<Controller, Error> {
-        Controller::new(&self.scenario, &self.model, &self.samples, &self.start)
+        Controller::new(&self.scenario, &self.known, &self.samples, &self.start)
     }
 
     /// A simulator as it was before the first step.
@@ -69,9 +72,9 @@ impl Recording {
         Simulator::new(&self.scenario, &self.model, &self.start.q)
     }
 
-    /// The robot.
-    pub fn model(&self) -> &Model {
-        &self.model
+    /// The robot as the controller knows it: whose dynamics its ticks want.
+    pub fn known(&self) -> &Model {
+        &self.known
     }
 }
 
@@ -85,17 +88,18 @@ mod tests {
     #[test]
     fn controller_and_simulator_do_again_what_they_did() {
         let noisy = ["simulation.sensors.delay_s=0.004", "simulation.sensors.velocity_noise=0.001", "duration_s=1"];
-        for sets in [&noisy[2..], &noisy] {
+        let other = ["simulation.model_error=0.05", "seed=3", "duration_s=1"];
+        for sets in [&noisy[2..], &noisy, &other] {
             let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
             let base = Base::load("push", &sets).expect("it is built in");
             let run = rollout::simulate(base.variant(), || false).expect("it can be run");
             let recording = Recording::of(&run, &[]);
             let (mut controller, mut simulator) = (recording.controller().unwrap(), recording.simulator().unwrap());
-            let mut dynamics = Dynamics::new(recording.model());
+            let mut dynamics = Dynamics::new(recording.known());
             assert!(recording.estimates.len() > 400 && recording.steps_per_tick > 0);
             for (index, (estimate, torques)) in recording.estimates.iter().zip(&recording.torques).enumerate() {
                 assert_eq!(simulator.q(), run.log.get(index, Field::Q), "tick {index}");
-                dynamics.update(recording.model(), &estimate.q, &estimate.v);
+                dynamics.update(recording.known(), &estimate.q, &estimate.v);
                 assert_eq!(controller.tick(estimate, &dynamics).solution.tau, *torques, "tick {index}");
                 assert!((0..recording.steps_per_tick).all(|_| simulator.step(torques)));
             }

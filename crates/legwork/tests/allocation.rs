@@ -14,6 +14,7 @@ fn no_allocation_in_tick_or_step() {
         ("exo-sway", vec![]),
         ("exo-lift", vec![]),
         ("feet-walk", vec!["duration_s=3".to_owned()]),
+        ("feet-walk", vec!["duration_s=1".to_owned(), "simulation.model_error=0.02".to_owned()]),
         ("push-baseline", vec![]), // falls, with programs that have no solution as they stand
         (
             "walk",

@@ -52,6 +52,29 @@ fn it_starts_stops_and_stands() {
 }
 
 #[test]
+fn a_live_command_is_followed_as_a_profile_is() {
+    let loaded =
+        scenario_file::load("feet-walk", &["reference.walker.speed_mps=0".to_owned(), "duration_s=13".to_owned()])
+            .expect("built in");
+    let model = library::load_model("planar_humanoid_feet", None).expect("built in");
+    let mut episode = episode::Episode::new(&loaded.scenario, &model, &[]).expect("it can start");
+    for (until, speed) in [(1.0, 0.0), (6.0, 0.8), (13.0, 0.0)] {
+        episode.command_speed(speed).expect("a speed that legs can walk");
+        while episode.time() < until && episode.advance() {}
+    }
+    for wrong in [f64::NAN, 2.4] {
+        let error = episode.command_speed(wrong).expect_err("no walk").to_string();
+        assert!(error.contains("reference.walker.speed_mps"), "{error}");
+    }
+    let live = episode.finish(0.0);
+    stood(&live);
+    let profile = "reference.walker.speeds=[[0,0],[1,0],[1.000001,0.8],[6,0.8],[6.000001,0]]";
+    let planned = common::run("feet-walk", &[profile]);
+    assert!((com(&live, 5.0) - com(&planned, 5.0)).abs() < 0.05 && com(&live, 5.0) > 2.5, "{}", com(&live, 5.0));
+    assert!((com(&live, 12.9) - com(&live, 12.0)).abs() < 0.02, "it stands again");
+}
+
+#[test]
 fn it_steps_in_place_and_walks_backward() {
     let march =
         common::run("feet-walk", &["reference.walker.speed_mps=0", "reference.walker.march=true", "duration_s=6"]);
@@ -254,4 +277,29 @@ fn ankles_hips_and_steps_keep_the_balance_whichever_is_needed() {
         let large = pushed(0.0, 80.0 * side, 1.0, &[]);
         assert!(large.outcome == Outcome::Completed && large.metrics.steps > 0, "{:?}", large.reason);
     }
+}
+
+/// Each figure again, from the log's records of the last four seconds.
+#[test]
+fn figures_count_from_the_time_that_is_asked_for() {
+    let run = common::run("feet-walk", &["metrics.from_s=6"]);
+    let (log, metrics) = (&run.log, &run.metrics);
+    let late: Vec<usize> = (0..log.len()).filter(|&index| log.time(index) > 5.9995).collect();
+    assert_eq!(late.len(), 4000);
+    let mean = |of: &dyn Fn(usize) -> f64| late.iter().map(|&index| of(index)).sum::<f64>() / late.len() as f64;
+    let close = |a: f64, b: f64| assert!((a - b).abs() <= 1e-9 * b.abs(), "{a} and {b}");
+    close(metrics.u2_n2m2.mean, mean(&|index| log.get(index, Field::Torque).iter().map(|t| t * t).sum()));
+    close(metrics.single_support_fraction, mean(&|index| f64::from(u8::from(log.get(index, Field::Swing)[0] >= 0.0))));
+    close(metrics.mean_speed_mps, (com(&run, 9.999) - com(&run, 6.0)) / 3.999);
+    let knee = late.iter().map(|&index| log.get(index, Field::TorqueApplied)[1].abs()).fold(0.0, f64::max);
+    assert_eq!((metrics.joints[1].joint.as_str(), metrics.joints[1].torque_peak_nm), ("right_knee", knee));
+    let begun = |pair: &&[usize]| log.get(pair[1], Field::Swing)[1] > log.get(pair[0], Field::Swing)[1].max(5.9995);
+    let indices: Vec<usize> = (0..log.len()).collect();
+    assert_eq!(metrics.steps as usize, indices.windows(2).filter(begun).count());
+
+    let whole = common::run("feet-walk", &["duration_s=3"]);
+    let ended = common::run("feet-walk", &["duration_s=3", "metrics.from_s=6"]);
+    assert_eq!(ended.metrics.u2_n2m2, whole.metrics.u2_n2m2);
+    assert!(whole.metrics.mean_speed_mps < 0.95, "it starts from standing");
+    assert!((metrics.mean_speed_mps - 1.0).abs() < 0.02);
 }

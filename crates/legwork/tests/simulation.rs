@@ -2,6 +2,7 @@
 
 mod common;
 
+use legwork::log::Field;
 use legwork::scenario::{ContactModel, Integrator, Push, Scenario};
 use legwork::sim::Simulator;
 use legwork::{library, scenario_file};
@@ -246,7 +247,7 @@ fn heel_and_toe_of_one_foot_kept_the_contact_solver_at_its_last_sweep() {
 fn a_foot_lifted_and_put_down_left_the_contact_solver_short_of_its_tolerance() {
     let run = common::run("exo-lift", &[]);
     assert!(run.audit.contact_residual_n < 1e-4, "{} N", run.audit.contact_residual_n);
-    let contact = |index: usize| run.log.get(index, legwork::log::Field::Contact);
+    let contact = |index: usize| run.log.get(index, Field::Contact);
     let long = (0..run.log.len()).filter(|&index| contact(index)[0] > 20.0).count();
     assert!(long < run.log.len() / 500, "{long} steps of more than 20 sweeps");
 }
@@ -373,10 +374,43 @@ fn control_and_physics_rates_are_separate() {
 }
 
 #[test]
+fn the_controller_knows_another_robot_than_is_simulated() {
+    let run = |sets: &[&str]| common::run("feet-walk", sets);
+    let ideal = run(&["duration_s=2"]);
+    assert_eq!(ideal.result_hash, run(&["duration_s=2", "simulation.model_error=0", "seed=5"]).result_hash);
+    assert_eq!(ideal.model, ideal.known);
+
+    let walk = run(&["simulation.model_error=0.02", "seed=5"]);
+    assert_eq!(walk.outcome, legwork::episode::Outcome::Completed, "{:?}", walk.reason);
+    assert_eq!(walk.known, ideal.known);
+    assert!((walk.model.total_mass() / walk.known.total_mass() - 1.0).abs() <= 0.02 + 1e-12);
+    assert_eq!(walk.audit.violations(), Vec::<String>::new());
+    let short = |seed: &str| run(&["duration_s=0.5", "simulation.model_error=0.02", seed]).result_hash;
+    assert_eq!(short("seed=5"), short("seed=5"));
+    assert_ne!(short("seed=5"), short("seed=6"));
+}
+
+/// At rest the ground carries the weight of the robot that stands on it, whatever the program believes.
+#[test]
+fn the_ground_carries_the_true_weight_and_the_program_is_mistaken() {
+    let stand = |error: &str| {
+        let error = format!("simulation.model_error={error}");
+        let run = common::run("feet-walk", &["duration_s=4", "reference.walker.speed_mps=0", "seed=1", &error]);
+        let last = run.log.len() - 1;
+        let vertical = |field| run.log.get(last, field).iter().skip(1).step_by(2).sum::<f64>();
+        let weight = run.model.total_mass() * run.model.gravity;
+        (vertical(Field::GrfSimulated) - weight, vertical(Field::Grf) - vertical(Field::GrfSimulated))
+    };
+    let ((ideal, predicted), (real, mistaken)) = (stand("0"), stand("0.05"));
+    assert!(ideal.abs() < 0.01 && real.abs() < 0.01, "{ideal} N, {real} N");
+    assert!(predicted.abs() < 1e-3 && mistaken.abs() > 0.1, "{predicted} N, {mistaken} N");
+}
+
+#[test]
 fn sensors_and_actuators_are_ideal_unless_asked() {
     let ideal = common::run("walk", &["duration_s=2"]);
     let log = &ideal.log;
-    let (wanted, applied) = (log.range(legwork::log::Field::Torque), log.range(legwork::log::Field::TorqueApplied));
+    let (wanted, applied) = (log.range(Field::Torque), log.range(Field::TorqueApplied));
     assert!(log.records().all(|record| record[wanted.clone()] == record[applied.clone()]));
     for set in [
         "simulation.actuators.delay_s=0.002",
@@ -393,9 +427,8 @@ fn sensors_and_actuators_are_ideal_unless_asked() {
     let log = &lagging.log;
     let share = 1.0 - (-1e-3_f64 / 5e-3).exp();
     for i in 1..log.len() {
-        let (before, now) =
-            (log.get(i - 1, legwork::log::Field::TorqueApplied)[0], log.get(i, legwork::log::Field::TorqueApplied)[0]);
-        let wanted = log.get(i, legwork::log::Field::Torque)[0];
+        let (before, now) = (log.get(i - 1, Field::TorqueApplied)[0], log.get(i, Field::TorqueApplied)[0]);
+        let wanted = log.get(i, Field::Torque)[0];
         assert!((now - (before + share * (wanted - before))).abs() < 1e-9);
     }
 }

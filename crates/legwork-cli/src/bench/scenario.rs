@@ -160,8 +160,8 @@ impl Measurement<'_> {
     /// Everything once; nothing is kept of a round in which Ctrl-C was pressed.
     fn round(&mut self) -> Result<(), Error> {
         let (clock, recording) = (self.clock, &self.recording);
-        let ticks = replay::ticks(clock, recording.model(), recording.controller()?, &recording.estimates);
-        let parts = replay::parts(clock, recording.model(), recording.controller()?, &recording.estimates);
+        let ticks = replay::ticks(clock, recording.known(), recording.controller()?, &recording.estimates);
+        let parts = replay::parts(clock, recording.known(), recording.controller()?, &recording.estimates);
         let steps = replay::steps(clock, recording.simulator()?, &recording.torques, recording.steps_per_tick);
         let (_, rollout) = clock.time(|| rollout::run(self.variant, interrupted));
         let rates = self.counts.iter().map(|&threads| self.rate(threads)).collect::<Result<Vec<f64>, Error>>()?;

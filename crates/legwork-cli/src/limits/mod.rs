@@ -1,7 +1,7 @@
 //! `legwork limits`: how far things can go, and what the actuators must deliver.
 
 mod files;
-mod text;
+pub(crate) mod text;
 
 use std::process::ExitCode;
 
@@ -170,8 +170,8 @@ impl<'a> Study<'a> {
     }
 }
 
-/// As [`Base::load`]; of the two scenarios, an error of a `--set` names the one.
-fn load(name: &str, sets: &[String]) -> Result<Base, Error> {
+/// As [`Base::load`]; of several scenarios, an error of a `--set` names the one.
+pub(crate) fn load(name: &str, sets: &[String]) -> Result<Base, Error> {
     Base::load(name, sets).map_err(|error| match error {
         Error::Invalid { place, problem } if place.starts_with("--set ") => {
             Error::invalid(format!("{place} of {name}"), problem)

@@ -12,7 +12,7 @@ pub(crate) fn text(report: &Report) -> String {
     let parts = [
         report.limits.as_deref().map(limits),
         report.robustness.as_ref().map(robustness),
-        report.sizing.as_ref().map(sizing),
+        report.sizing.as_ref().map(|table| sizing("Actuators", table)),
         report.map.as_deref().map(|pairs| map(&report.walk, pairs)),
     ];
     parts.into_iter().flatten().collect::<Vec<_>>().join("\n\n")
@@ -75,15 +75,16 @@ fn robustness(map: &RobustnessMap) -> String {
 }
 
 /// Without digits that only computing leaves.
-fn shorter(value: f64) -> f64 {
+pub(crate) fn shorter(value: f64) -> f64 {
     (value * 100.0).round() / 100.0
 }
 
 /// Of the columns of the table of actuators.
 const WIDTHS: [usize; 5] = [11, 11, 14, 11, 11];
 
-fn sizing(sizing: &Sizing) -> String {
-    let mut text = format!("Actuators\n{:16}", "");
+/// The table of actuators.
+pub(crate) fn sizing(title: &str, sizing: &Sizing) -> String {
+    let mut text = format!("{title}\n{:16}", "");
     for (what, width) in ["peak [Nm]", "RMS [Nm]", "peak [rad/s]", "peak [W]", "mean [W]"].iter().zip(WIDTHS) {
         text += &format!("{what:>width$}");
     }
@@ -111,11 +112,12 @@ fn sizing(sizing: &Sizing) -> String {
             text += &format!("\n{}", folded(&format!("    {reason}"), 6));
         }
     }
-    text += &rows("largest of both", &sizing.envelope);
+    text += &rows("largest", &sizing.envelope);
     text + &rows(&format!("with a margin of {:.0} %", 100.0 * sizing.margin), &sizing.required)
 }
 
-fn map(walk: &str, pairs: &[Pair]) -> String {
+/// The map over speed and torque limit.
+pub(crate) fn map(walk: &str, pairs: &[Pair]) -> String {
     let mut text = format!("{walk} by speed [m/s] and torque limit [Nm]\n  {:>8}", "");
     let mut speeds: Vec<f64> = pairs.iter().map(|pair| pair.speed_mps).collect();
     speeds.sort_by(f64::total_cmp);

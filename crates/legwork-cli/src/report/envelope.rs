@@ -134,7 +134,8 @@ fn robustness(map: &RobustnessMap, figures: &mut Figures) -> Chapter {
     }
 }
 
-fn demands(rows: &[Demand]) -> Markup {
+/// The table of the joints' demands.
+pub(super) fn demands(rows: &[Demand]) -> Markup {
     html! {
         div.scroll { table {
             thead { tr {
@@ -165,19 +166,27 @@ fn actuators(sizing: &Sizing, figures: &mut Figures) -> Chapter {
         },
     }];
     for used in &sizing.uses {
-        let chart = torque_speed(used);
         let body = html! {
             @if used.ending != Ending::Completed {
                 p class="banner bad" { strong { "The robot fell: " } (used.reason.clone().unwrap_or_default()) ". The figures are those up to the fall." }
             }
             (demands(&used.joints))
-            (figures.add(&format!("{}-torque-speed", used.scenario), &format!("Torque over speed, {}", used.scenario),
-                "Each tick is a point; darker where there are more. Curves of constant power, and the torque limits.",
-                |width| chart.draw(width)))
+            (torque_speed_figure(used, figures))
         };
         sections.push(Section { title: used.scenario.clone(), body });
     }
     Chapter { title: "Actuators".into(), lead: html! {}, sections }
+}
+
+/// The torque-speed clouds of a scenario's joints.
+pub(super) fn torque_speed_figure(used: &Use, figures: &mut Figures) -> Markup {
+    let chart = torque_speed(used);
+    figures.add(
+        &format!("{}-torque-speed", used.scenario),
+        &format!("Torque over speed, {}", used.scenario),
+        "Each tick is a point; darker where there are more. Curves of constant power, and the torque limits.",
+        |width| chart.draw(width),
+    )
 }
 
 fn torque_speed(used: &Use) -> Cloud {
@@ -204,6 +213,16 @@ fn torque_speed(used: &Use) -> Cloud {
 }
 
 fn speed_torque(pairs: &[Pair], figures: &mut Figures) -> Chapter {
+    let body = speed_torque_figure("speed-torque-map", pairs, figures);
+    Chapter {
+        title: "Speed and torque".into(),
+        lead: html! {},
+        sections: vec![Section { title: "Pairs that are survived".into(), body }],
+    }
+}
+
+/// The map over speed and torque limit; its file is called after `name`.
+pub(super) fn speed_torque_figure(name: &str, pairs: &[Pair], figures: &mut Figures) -> Markup {
     let outcome = |pair: &Pair| match pair.coping {
         Coping::Falls => CellOutcome::Fell,
         _ => CellOutcome::Survived(pair.mean_speed_mps.unwrap_or(f64::NAN) / pair.speed_mps),
@@ -217,15 +236,10 @@ fn speed_torque(pairs: &[Pair], figures: &mut Figures) -> Chapter {
             .map(|pair| Cell { x: pair.speed_mps, y: pair.torque_limit_nm, outcome: outcome(pair) })
             .collect(),
     };
-    let body = figures.add(
-        "speed-torque-map",
+    figures.add(
+        name,
         "Which speeds can be walked with which torque limit",
         "Hatched: the robot falls. The numbers are the mean speed as a share of the one asked for: where it is far from one, the robot stays on its feet but does not walk as it should.",
         |width| map.draw(width),
-    );
-    Chapter {
-        title: "Speed and torque".into(),
-        lead: html! {},
-        sections: vec![Section { title: "Pairs that are survived".into(), body }],
-    }
+    )
 }

@@ -7,6 +7,7 @@
 mod balance;
 mod chart;
 mod charts;
+pub(crate) mod comparison;
 pub(crate) mod document;
 pub(crate) mod envelope;
 mod figures;

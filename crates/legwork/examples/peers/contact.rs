@@ -18,7 +18,7 @@ use crate::programs::{recorded, say, sense};
 pub(crate) fn record(scenario: &str, out: &Path) -> Result<(), Box<dyn Error>> {
     let recording = recorded(scenario, &[], usize::MAX)?;
     let mut simulator = recording.simulator()?;
-    let (torques, model) = (recording.torques[0].len(), recording.model());
+    let (torques, model) = (recording.torques[0].len(), recording.known());
     let mut table = Table::new(torques + 2 * (model.nq() + model.nv()));
     for torques in &recording.torques {
         let mut row = torques.clone();
@@ -77,12 +77,12 @@ pub(crate) fn time(scenario: &str, steps: &Path, out: &Path) -> Result<(), Box<d
 pub(crate) fn ticks(scenario: &str, out: &Path) -> Result<(), Box<dyn Error>> {
     let recording = recorded(scenario, &[], usize::MAX)?;
     let mut controller = recording.controller()?;
-    let mut dynamics = Dynamics::new(recording.model());
+    let mut dynamics = Dynamics::new(recording.known());
     let mut answers = Table::new(3);
     let mut measured = Vec::new();
     for estimate in &recording.estimates {
         let begin = Instant::now();
-        dynamics.update(recording.model(), &estimate.q, &estimate.v);
+        dynamics.update(recording.known(), &estimate.q, &estimate.v);
         let tick = controller.tick(estimate, &dynamics);
         let seconds = begin.elapsed().as_secs_f64();
         let (solved, iterations) = (tick.fallback == Fallback::None, tick.iterations);

@@ -198,6 +198,13 @@ impl ReferenceGenerator {
         &self.reference
     }
 
+    /// Asks a walker for another speed from now on [m/s]; other generators have none that could change under way.
+    pub fn command_speed(&mut self, speed: f64) {
+        if let Feet::Walker(walker) = &mut self.feet {
+            walker.command_speed(speed);
+        }
+    }
+
     /// The latest reference.
     pub fn reference(&self) -> &Reference {
         &self.reference

@@ -16,8 +16,8 @@ pub use controller::{
     ControllerSettings, Damping, JointLimits, Limits, PlannerSettings, QpForm, Tracking, TrackingSettings, Weights,
 };
 pub use reference::{
-    Adaptation, ComSettings, Generator, LeastStep, Lift, ReferenceSettings, Replan, StanceSettings, StepSettings,
-    TrajectoryKind, WalkerSettings,
+    Adaptation, ComSettings, CommandedSpeed, Generator, LeastStep, Lift, ReferenceSettings, Replan, StanceSettings,
+    StepSettings, TrajectoryKind, WalkerSettings,
 };
 pub use simulation::{
     ActuatorSettings, ContactModel, ContactSettings, Integrator, Push, SensorSettings, SimulationSettings,
@@ -164,6 +164,8 @@ pub struct FallSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MetricsSettings {
+    /// All figures but those of recovery count from this time [s].
+    pub from_s: f64,
     /// The CoM error counts from this time [s].
     pub com_error_from_s: f64,
     /// Recovered means: the CoM error stays below this [m].
@@ -209,7 +211,7 @@ impl Default for Scenario {
                 max_torso_angle_deg: 60.0,
                 max_joint_speed_radps: 200.0,
             },
-            metrics: MetricsSettings { com_error_from_s: 0.4, recovered_within_m: 0.05 },
+            metrics: MetricsSettings { from_s: 0.0, com_error_from_s: 0.4, recovered_within_m: 0.05 },
             pushes: Vec::new(),
         }
     }

@@ -235,7 +235,45 @@ pub enum LeastStep {
     BaseOfSupport,
 }
 
+/// A constant speed that is commanded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CommandedSpeed {
+    /// The setting that commands it.
+    pub path: &'static str,
+    /// It, negative backward [m/s].
+    pub speed_mps: f64,
+    /// From when on a robot that starts from rest should go at it [s].
+    pub steady_from_s: f64,
+}
+
+impl ReferenceSettings {
+    /// The speed that is commanded; none where the generator has no speed, or one that changes.
+    pub fn commanded_speed(&self) -> Option<CommandedSpeed> {
+        let (com, walker) = (&self.com, &self.walker);
+        match self.generator {
+            Generator::Steps if com.trajectory == TrajectoryKind::ConstantVelocity => Some(CommandedSpeed {
+                path: "reference.com.speed_mps",
+                speed_mps: com.speed_mps,
+                steady_from_s: com.ramp_s,
+            }),
+            Generator::Walker if walker.speeds.is_empty() => Some(CommandedSpeed {
+                path: "reference.walker.speed_mps",
+                speed_mps: walker.speed_mps,
+                steady_from_s: walker.time_to(walker.speed_mps),
+            }),
+            _ => None,
+        }
+    }
+}
+
 impl WalkerSettings {
+    /// How long it takes from rest to a steady walk at `speed` [s]: the steps in which it speeds up, and once the time
+    /// constant with which it catches up with the way that it lost in them. Infinite where it cannot speed up.
+    fn time_to(&self, speed: f64) -> f64 {
+        let steps = if speed == 0.0 { 0.0 } else { (speed.abs() / self.speed_change_mps).ceil() };
+        steps * self.scheduled(speed)[0] + if self.way_gain > 0.0 { 1.0 / self.way_gain } else { 0.0 }
+    }
+
     /// What the schedule has for `speed` [m/s]: step time [s], height of the centre of mass [m], its bob [m], the
     /// share of the step after which it is lowest, heel-off [s].
     ///
@@ -332,7 +370,7 @@ impl Default for ReferenceSettings {
                 march: false,
                 schedule: vec![
                     [0.0, 0.515, 0.958, 0.0, 0.38, 0.145],
-                    [0.5, 0.523, 1.0, 0.01, 0.38, 0.134],
+                    [0.5, 0.523, 0.995, 0.008, 0.3, 0.134],
                     [1.0, 0.571, 0.975, 0.01, 0.35, 0.18],
                     [1.25, 0.522, 0.945, 0.017, 0.5, 0.11],
                 ],

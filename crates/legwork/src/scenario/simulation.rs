@@ -10,6 +10,8 @@ pub struct SimulationSettings {
     pub period_s: f64,
     /// How the state is advanced.
     pub integrator: Integrator,
+    /// The simulated robot's masses, centres of mass and inertias differ from those that the controller knows by up to this share.
+    pub model_error: f64,
     /// The contact with the ground.
     pub contact: ContactSettings,
     /// What the controller is told of the state.
@@ -130,6 +132,7 @@ impl Default for SimulationSettings {
         Self {
             period_s: 0.001,
             integrator: Integrator::Midpoint,
+            model_error: 0.0,
             contact: ContactSettings {
                 model: ContactModel::Rigid,
                 flag_height_m: 0.001,

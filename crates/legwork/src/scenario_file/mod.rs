@@ -5,7 +5,7 @@
 //! and `description` are a file's own. `--set` comes last. The checks see the result, so that what is out of range in
 //! one layer and put right by the next does no harm.
 
-mod checks;
+pub(crate) mod checks;
 mod draft;
 mod write;
 

@@ -84,7 +84,12 @@ pub const SETTINGS: &[Setting] = &[
     setting("description", Valid::Text, OURS, "What the scenario shows, in a sentence."),
     setting("model", Valid::Text, OURS, "A built-in model, or a TOML or URDF file."),
     number("duration_s", "s", [1e-3, 3600.0], OURS, "Simulated time."),
-    setting("seed", Valid::Integer { min: 0, max: i64::MAX }, OURS, "Seed of sensor noise and uneven ground."),
+    setting(
+        "seed",
+        Valid::Integer { min: 0, max: i64::MAX },
+        OURS,
+        "Seed of sensor noise, model error and uneven ground.",
+    ),
     //
     number("wearer.mass_kg", "kg", [20.0, 250.0], WINTER, "Mass of the person whose segments the robot has."),
     number(
@@ -520,6 +525,13 @@ pub const SETTINGS: &[Setting] = &[
         OURS,
         "How the state is advanced: new velocity first, or Moreau's midpoint.",
     ),
+    number(
+        "simulation.model_error",
+        "",
+        [0.0, 0.5],
+        OURS,
+        "Share by which mass, centre of mass and inertia of each body differ at most from those that the controller knows; by seed.",
+    ),
     //
     choice("simulation.contact.model", &["rigid", "spring-damper"], "thesis 3.3", "The law of the ground."),
     number(
@@ -588,6 +600,7 @@ pub const SETTINGS: &[Setting] = &[
     number("fall.max_torso_angle_deg", "deg", [1.0, 180.0], OURS, "Fallen above this torso angle from its reference."),
     number("fall.max_joint_speed_radps", "rad/s", [1.0, 1e6], OURS, "Out of bounds above this joint speed."),
     //
+    number("metrics.from_s", "s", ANY_TIME, OURS, "Figures count from this time; recovery counts from the push."),
     number("metrics.com_error_from_s", "s", ANY_TIME, "thesis 7.1.3", "The CoM error counts from this time."),
     number("metrics.recovered_within_m", "m", [1e-4, 10.0], OURS, "Recovered: the CoM error stays below this."),
     //

@@ -7,6 +7,7 @@ pub mod audit;
 pub mod batch;
 mod contact_law;
 pub mod contact_solver;
+pub mod model_error;
 pub mod push;
 pub mod sensors;
 mod simultaneous;

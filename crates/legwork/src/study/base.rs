@@ -5,7 +5,7 @@ use toml::Value;
 
 use crate::episode::{self, Episode};
 use crate::error::Error;
-use crate::scenario::Scenario;
+use crate::scenario::{CommandedSpeed, Generator, Scenario};
 use crate::scenario_file::{self, Loaded};
 use crate::settings::{self, Setting, Valid};
 use crate::wearer;
@@ -72,6 +72,46 @@ impl Base {
     /// Its scenario's name.
     pub fn name(&self) -> &str {
         &self.variant.scenario.name
+    }
+
+    /// The constant speed at which it walks.
+    ///
+    /// # Errors
+    /// It does not walk, or not at a constant speed.
+    pub fn walks(&self) -> Result<CommandedSpeed, Error> {
+        let reference = &self.variant.scenario.reference;
+        let commanded = reference.commanded_speed();
+        if let Some(commanded) = commanded.filter(|commanded| commanded.speed_mps != 0.0) {
+            return Ok(commanded);
+        }
+        let (path, valid) = match (commanded, reference.generator) {
+            (Some(zero), _) => (zero.path, "a speed that is not zero"),
+            (None, Generator::Steps) => ("reference.com.trajectory", "\"constant-velocity\" with a speed"),
+            (None, Generator::Walker) => ("reference.walker.speeds", "an empty list with a speed_mps"),
+            (None, Generator::Stance) => ("reference.generator", "\"steps\" or \"walker\" with a speed"),
+        };
+        let problem = format!("found a scenario that does not walk at a constant speed; valid is {valid}");
+        Err(Error::invalid(format!("{}: {path}", self.name()), problem))
+    }
+
+    /// The base with `commanded` made another speed [m/s].
+    ///
+    /// # Errors
+    /// As [`Base::vary`].
+    pub fn at_speed(&self, commanded: CommandedSpeed, speed_mps: f64) -> Result<Self, Error> {
+        let speed = Change::To(Value::Float(speed_mps));
+        Ok(Self { variant: self.vary([(commanded.path, &speed)])?, model_tree: self.model_tree.clone() })
+    }
+
+    /// The largest torque limit that any joint of it has [Nm]: the controller's, or the strongest joint's where that is lower.
+    pub fn torque_limit_nm(&self) -> f64 {
+        self.variant.scenario.controller.limits.torque_nm.min(self.strongest_joint_nm())
+    }
+
+    /// The most that the model gives a joint [Nm]; infinite where it gives some joint no limit.
+    pub fn strongest_joint_nm(&self) -> f64 {
+        let model = &self.variant.model;
+        model.actuated().map(|dof| model.dofs[dof].effort_limit).fold(0.0, f64::max)
     }
 
     /// The value at `path`: of a setting (`ground.friction`) or of the model (`model.bodies.torso.mass_kg`, with bodies

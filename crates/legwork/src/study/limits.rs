@@ -6,8 +6,8 @@ use toml::Value;
 
 use crate::error::Error;
 use crate::metrics::FIGURES;
-use crate::scenario::TrajectoryKind;
-use crate::settings::Setting;
+use crate::scenario::CommandedSpeed;
+use crate::settings::{Setting, Valid};
 use crate::study::rollout::{self, Rollout};
 use crate::study::search::{Found, Search};
 use crate::study::{Base, Change, Variant};
@@ -15,7 +15,7 @@ use crate::study::{Base, Change, Variant};
 /// What the start pose's centre of mass is moved by in the tries that confirm a value [m].
 const NUDGES_M: [f64; 2] = [-0.001, 0.001];
 
-/// How far the mean speed may be from the one asked for, as a share of it.
+/// How far the mean speed of the steady walk may be from the one asked for, as a share of it.
 pub const SPEED_SHARE: f64 = 0.05;
 
 /// Torque limits at which the thesis asks for the top speed [Nm].
@@ -29,9 +29,9 @@ const HOPELESS_MPS: f64 = 4.0;
 pub enum Held {
     /// The robot is on its feet to the end.
     OnItsFeet,
-    /// Its mean speed is within this share of the one asked for.
+    /// The mean speed of its steady walk is within this share of the one asked for.
     KeepsSpeed(f64),
-    /// Its mean CoM error is at most this [m].
+    /// The mean CoM error of its steady walk is at most this [m].
     Follows(f64),
 }
 
@@ -44,15 +44,17 @@ impl Held {
         match self {
             Self::OnItsFeet => None,
             Self::KeepsSpeed(share) => {
-                let asked = variant.scenario.reference.com.speed_mps;
-                let speed = figure(rollout, "mean_speed_mps").unwrap_or(0.0);
+                let asked = variant.scenario.reference.commanded_speed().map_or(0.0, |commanded| commanded.speed_mps);
+                let Some(speed) = figure(rollout, "steady_speed_mps") else {
+                    return Some("the run is too short for a steady walk".to_owned());
+                };
                 let lost = (speed - asked).abs() > share * asked.abs();
                 lost.then(|| format!("{speed:.3} m/s on average where {asked:.3} m/s was asked for"))
             }
-            Self::Follows(bound) => match figure(rollout, "com_error_m.mean") {
+            Self::Follows(bound) => match figure(rollout, "steady_com_error_m") {
                 Some(error) if error <= bound => None,
                 Some(error) => Some(format!("{error:.3} m from its reference on average")),
-                None => Some("the run is too short for a CoM error".to_owned()),
+                None => Some("the run is too short for a CoM error of its steady walk".to_owned()),
             },
         }
     }
@@ -161,14 +163,11 @@ fn after_nudge(nudge: u32, reason: String) -> String {
 /// # Errors
 /// The scenario does not walk at a constant speed.
 pub fn of_walk(base: &Base) -> Result<Vec<Question<'_>>, Error> {
-    let scenario = &base.variant().scenario;
-    let com = &scenario.reference.com;
-    if com.trajectory != TrajectoryKind::ConstantVelocity || com.speed_mps == 0.0 {
-        let problem = "found a scenario that does not walk; valid is \"constant-velocity\" with a speed";
-        return Err(Error::invalid(format!("{}: reference.com.trajectory", base.name()), problem));
-    }
-    let (speed, own) = (com.speed_mps, scenario.controller.limits.torque_nm);
+    let commanded = base.walks()?;
+    let (speed, own) = (commanded.speed_mps, base.torque_limit_nm());
     let mut torques = TORQUES_NM.to_vec();
+    // A limit above all joints' own is none.
+    torques.retain(|&torque| torque <= base.strongest_joint_nm());
     if !torques.contains(&own) {
         torques.push(own);
     }
@@ -178,7 +177,7 @@ pub fn of_walk(base: &Base) -> Result<Vec<Question<'_>>, Error> {
         for (words, held) in criteria {
             let fixed = vec![("controller.limits.torque_nm", Change::To(Value::Float(torque)))];
             let label = format!("top speed {words} at {torque} Nm");
-            let range = ("reference.com.speed_mps", speed, (5.0 * speed).clamp(-5.0, 5.0));
+            let range = (commanded.path, speed, fastest(base, commanded, 5.0 * speed));
             questions.push(Question::new(base, &label, range, fixed, held)?);
         }
     }
@@ -210,17 +209,29 @@ pub fn of_push(base: &Base) -> Result<Vec<Question<'_>>, Error> {
     Ok(questions)
 }
 
+/// The speed that can be set nearest to `hopeless` [m/s], in twentieths of what it is more than the scenario's own.
+pub(crate) fn fastest(base: &Base, commanded: CommandedSpeed, hopeless: f64) -> f64 {
+    let hopeless = match Setting::find(commanded.path).map(|setting| &setting.valid) {
+        Some(&Valid::Number { min, max }) => hopeless.clamp(min, max),
+        _ => hopeless,
+    };
+    let more = |share: u32| commanded.speed_mps + (hopeless - commanded.speed_mps) * f64::from(share) / 20.0;
+    let mut speeds = (1..=20).rev().map(|share| if share == 20 { hopeless } else { (more(share) * 1e9).round() / 1e9 });
+    speeds.find(|&speed| base.at_speed(commanded, speed).is_ok()).unwrap_or(commanded.speed_mps)
+}
+
 /// What counts as following the reference: the mean CoM error is within what counts as recovered.
 pub fn follows(base: &Base) -> Held {
     Held::Follows(base.variant().scenario.metrics.recovered_within_m)
 }
 
-/// The questions for what can be too low, down to a fiftieth of the scenario's own value.
+/// The questions for what can be too low, down to a fiftieth of the scenario's own value; of the torque limit, which begins
+/// at the largest that any joint really has.
 fn lowest(base: &Base, held: Held) -> Result<Vec<Question<'_>>, Error> {
     let scenario = &base.variant().scenario;
     let limits = &scenario.controller.limits;
     [
-        ("lowest torque limit", "controller.limits.torque_nm", limits.torque_nm, 0.1),
+        ("lowest torque limit", "controller.limits.torque_nm", base.torque_limit_nm(), 0.1),
         ("lowest force limit", "controller.limits.grf_n", limits.grf_n, 1.0),
         ("lowest friction", "ground.friction", scenario.ground.friction, 0.0),
     ]

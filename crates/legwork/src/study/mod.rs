@@ -2,10 +2,12 @@
 //!
 //! A study is data (`studies/*.toml`): scenarios, factors with their levels, a design. [`Study`] numbers its rollouts;
 //! [`store`] keeps them in chunks, [`parallel`] makes them on all cores, [`table`] writes them, and [`results`]
-//! and [`sensitivity`] say what they mean. [`limits`], [`robustness`], [`sizing`] and [`tune`] ask questions of their own.
+//! and [`sensitivity`] say what they mean. [`limits`], [`robustness`], [`sizing`], [`comparison`] and [`tune`] ask questions
+//! of their own.
 
 mod base;
 pub mod cma_es;
+pub mod comparison;
 pub mod design;
 mod factor;
 mod file;

@@ -10,11 +10,11 @@ use crate::study::rollout::{self, Rollout};
 use crate::study::search::{Found, Search};
 use crate::study::{Base, Variant};
 
-/// From when on the steps of a walk count as steady [s].
-const STEADY_FROM_S: f64 = 3.0;
+/// From when on the steps of a walk count as steady, at the earliest [s].
+pub(crate) const STEADY_FROM_S: f64 = 3.0;
 
-/// How long the reference run lasts in which the steady stride is looked for [s].
-const REFERENCE_S: f64 = 8.0;
+/// How long after that the stride is looked for [s].
+const STRIDE_WITHIN_S: f64 = 5.0;
 
 /// When the standing robot is struck [s].
 const STANDING_STRIKE_S: f64 = 0.5;
@@ -79,7 +79,8 @@ pub struct Cell {
 }
 
 impl Robustness {
-    /// The map for `walk`, struck in its stride, and for `stand`, struck at rest. Pushes of their own are left out.
+    /// The map for `walk`, struck in its stride, and for `stand`, struck at rest: one that walks is commanded a speed of zero
+    /// for it. Pushes of their own are left out.
     ///
     /// # Errors
     /// As [`rollout::simulate`].
@@ -90,9 +91,17 @@ impl Robustness {
             variant
         };
         let mut reference = unpushed(walk);
-        reference.scenario.duration_s = REFERENCE_S;
-        let stride = stride(&rollout::simulate(&reference, stop)?.log, STEADY_FROM_S);
-        Ok(Self { stride, walk: unpushed(walk), stand: unpushed(stand), plan })
+        let commanded = reference.scenario.reference.commanded_speed();
+        let steady_from = commanded.map_or(0.0, |commanded| commanded.steady_from_s).max(STEADY_FROM_S);
+        // A robot that speeds up for longer than its scenario lasts has no steady stride.
+        let longest = reference.scenario.duration_s.max(STEADY_FROM_S + STRIDE_WITHIN_S);
+        reference.scenario.duration_s = longest.min(steady_from + STRIDE_WITHIN_S);
+        let stride = stride(&rollout::simulate(&reference, stop)?.log, steady_from);
+        let stand = match stand.variant().scenario.reference.commanded_speed() {
+            Some(commanded) => unpushed(&stand.at_speed(commanded, 0.0)?),
+            None => unpushed(stand),
+        };
+        Ok(Self { stride, walk: unpushed(walk), stand, plan })
     }
 
     /// How many cells it has: all directions standing, then those of one phase after the other.

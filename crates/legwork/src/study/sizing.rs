@@ -8,7 +8,7 @@ use crate::episode::Run;
 use crate::error::Error;
 use crate::log::Field;
 use crate::metrics::JointUse;
-use crate::study::limits::{Held, SPEED_SHARE, figure, follows};
+use crate::study::limits::{Held, SPEED_SHARE, fastest, figure, follows};
 use crate::study::rollout::{self, Ending};
 use crate::study::{Base, Change, Variant};
 
@@ -30,7 +30,8 @@ pub struct Demand {
     pub power_peak_w: f64,
     /// Mean absolute power [W].
     pub power_mean_w: f64,
-    /// Share of the ticks in which the torque is at the controller's limit: the peak then says nothing of the need.
+    /// Share of the ticks in which the torque is at the joint's limit, the controller's or its own: the peak then says
+    /// nothing of the need.
     pub at_limit: f64,
 }
 
@@ -112,6 +113,9 @@ impl Use {
         let row = rollout::Rollout::of(run);
         let asked = run.log.range(Field::Torque);
         let joints = run.metrics.joints.iter().zip(asked).map(|(used, column)| {
+            let own =
+                run.model.dofs.iter().find(|dof| dof.name == used.joint).map_or(f64::INFINITY, |dof| dof.effort_limit);
+            let limit = limit.min(own);
             let at_limit = run.log.column(column).filter(|torque| torque.abs() >= limit * (1.0 - 1e-6)).count();
             Demand::of(used, at_limit as f64 / run.log.len().max(1) as f64)
         });
@@ -180,6 +184,7 @@ impl Sizing {
 pub struct SpeedTorque<'a> {
     /// The walk.
     pub base: &'a Base,
+    path: &'static str,
     /// Speeds [m/s].
     pub speeds_mps: Vec<f64>,
     /// Torque limits [Nm].
@@ -209,9 +214,9 @@ pub struct Pair {
     pub torque_limit_nm: f64,
     /// How the robot copes.
     pub coping: Coping,
-    /// Mean speed [m/s].
+    /// Mean speed of the steady walk [m/s].
     pub mean_speed_mps: Option<f64>,
-    /// Mean CoM error [m].
+    /// Mean CoM error of the steady walk [m].
     pub com_error_m: Option<f64>,
     /// When it fell [s].
     pub fell_at_s: Option<f64>,
@@ -229,16 +234,17 @@ fn even(from: f64, to: f64, count: usize) -> Vec<f64> {
 
 impl<'a> SpeedTorque<'a> {
     /// So many of each, evenly from 0.2 to 2.6 of the scenario's own speed and from 0.5 to 1.5 of its torque limit, as far
-    /// as these can be set.
+    /// as these can be set and any joint has them.
     ///
     /// # Errors
-    /// As [`Base::vary`].
+    /// As [`Base::walks`] and [`Base::vary`].
     pub fn new(base: &'a Base, speeds: usize, torques: usize) -> Result<Self, Error> {
-        let scenario = &base.variant().scenario;
-        let (speed, torque) = (scenario.reference.com.speed_mps, scenario.controller.limits.torque_nm);
-        let speeds_mps = even(0.2 * speed, (2.6 * speed).clamp(-5.0, 5.0), speeds);
-        let torques_nm = even((0.5 * torque).max(0.1), (1.5 * torque).min(1e5), torques);
-        let map = Self { base, speeds_mps, torques_nm };
+        let commanded = base.walks()?;
+        let (speed, torque) = (commanded.speed_mps, base.torque_limit_nm());
+        let speeds_mps = even(0.2 * speed, fastest(base, commanded, 2.6 * speed), speeds);
+        let most = (1.5 * torque).min(1e5).min(base.strongest_joint_nm());
+        let torques_nm = even((0.5 * torque).max(0.1), most, torques);
+        let map = Self { base, path: commanded.path, speeds_mps, torques_nm };
         (0..map.cells()).try_for_each(|index| map.variant(index).map(drop))?;
         Ok(map)
     }
@@ -255,7 +261,7 @@ impl<'a> SpeedTorque<'a> {
     fn variant(&self, index: usize) -> Result<Variant, Error> {
         let (speed, torque) = self.pair(index);
         let [speed, torque] = [speed, torque].map(|value| Change::To(Value::Float(value)));
-        self.base.vary([("reference.com.speed_mps", &speed), ("controller.limits.torque_nm", &torque)])
+        self.base.vary([(self.path, &speed), ("controller.limits.torque_nm", &torque)])
     }
 
     /// Cell `index`; none where `stop` says so before.
@@ -274,8 +280,8 @@ impl<'a> SpeedTorque<'a> {
             speed_mps,
             torque_limit_nm,
             coping,
-            mean_speed_mps: figure(&rollout, "mean_speed_mps"),
-            com_error_m: figure(&rollout, "com_error_m.mean"),
+            mean_speed_mps: figure(&rollout, "steady_speed_mps"),
+            com_error_m: figure(&rollout, "steady_com_error_m"),
             fell_at_s: rollout.fell_at_s,
             cause: rollout.cause,
             reason: rollout.reason,

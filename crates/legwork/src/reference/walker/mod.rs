@@ -172,6 +172,12 @@ impl Walker {
         walker
     }
 
+    /// Asks for another speed from now on [m/s], in place of what the settings say.
+    pub fn command_speed(&mut self, speed: f64) {
+        self.settings.speeds.clear();
+        self.settings.speed_mps = speed;
+    }
+
     /// The speed that is asked for at `time` [s].
     fn wanted_speed(&self, time: f64) -> f64 {
         let rows = &self.settings.speeds;

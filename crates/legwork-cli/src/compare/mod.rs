@@ -1,0 +1,201 @@
+//! `legwork compare`: two robots at the same speeds and under the same pushes, beside a person.
+
+pub(crate) mod text;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use legwork::error::Error;
+use legwork::scenario::CommandedSpeed;
+use legwork::study::Base;
+use legwork::study::comparison::{Gait, PERSON, Person};
+use legwork::study::parallel::with_threads;
+use legwork::study::robustness::{Cell, Plan, Robustness, Stride};
+use legwork::study::sizing::{Pair, Sizing, SpeedTorque, Use};
+use serde::Serialize;
+
+use crate::args::CompareArgs;
+use crate::limits::load;
+use crate::long_work::{INTERRUPTED, Jobs, interrupted, listen_for_interrupt};
+use crate::output::{Failure, Output, check_writable, say, write_text};
+use crate::report::comparison;
+
+/// Rollouts that a search for the largest impulse takes, about: what the progress counts by.
+const ROLLOUTS: u64 = 15;
+
+/// How much more than the largest demand an actuator should deliver, as a share.
+const MARGIN: f64 = 0.2;
+
+/// All that was found.
+#[derive(Debug, Serialize)]
+pub(crate) struct Report {
+    /// The robots.
+    pub(crate) robots: Vec<Robot>,
+    /// Whom they are held beside.
+    pub(crate) person: Person,
+    /// Whether the pushes were sought quickly, in coarse steps.
+    pub(crate) quick: bool,
+    /// Whether it was interrupted, so that something is missing.
+    pub(crate) interrupted: bool,
+}
+
+/// A robot and what was found of it.
+#[derive(Debug, Serialize)]
+pub(crate) struct Robot {
+    /// The scenario.
+    pub(crate) scenario: String,
+    /// The robot's mass [kg].
+    pub(crate) mass_kg: f64,
+    /// Whether each foot is a point.
+    pub(crate) point_feet: bool,
+    /// How it walks at each speed.
+    pub(crate) gaits: Vec<Gait>,
+    /// The pushes that it survives; none where the robots have no speed in common.
+    pub(crate) pushes: Option<Pushes>,
+    /// What its actuators must deliver over all speeds.
+    pub(crate) sizing: Sizing,
+    /// Which speeds it walks at which torque limit.
+    pub(crate) map: Vec<Pair>,
+}
+
+/// The largest impulses that a robot survives.
+#[derive(Debug, Serialize)]
+pub(crate) struct Pushes {
+    /// The speed at which they strike [m/s].
+    pub(crate) speed_mps: f64,
+    /// The stride whose phases are struck.
+    pub(crate) stride: Option<Stride>,
+    /// One for each phase and direction.
+    pub(crate) strikes: Vec<Strike>,
+}
+
+/// The largest impulse of one phase and direction.
+#[derive(Debug, Serialize)]
+pub(crate) struct Strike {
+    /// Phase of the stride; none standing.
+    pub(crate) phase: Option<f64>,
+    /// Direction of the push: 0 forward, 180 backward [deg].
+    pub(crate) direction_deg: f64,
+    /// The impulse [Ns]; none where the robot falls without one.
+    pub(crate) impulse_ns: Option<f64>,
+    /// Why a larger one is not survived.
+    pub(crate) reason_beyond: Option<String>,
+}
+
+impl Report {
+    /// What the comparison is called.
+    pub(crate) fn title(&self) -> String {
+        let [first, second] = &self.robots[..] else { unreachable!("two robots are compared") };
+        match (first.point_feet, second.point_feet) {
+            (true, false) => "Point feet against feet".to_owned(),
+            (false, true) => "Feet against point feet".to_owned(),
+            _ => format!("{} against {}", first.scenario, second.scenario),
+        }
+    }
+}
+
+pub(crate) fn compare(options: &CompareArgs, output: &mut Output) -> Result<ExitCode, Failure> {
+    let walkers = [Walker::new(&options.first, options)?, Walker::new(&options.second, options)?];
+    if let Some(path) = &options.report {
+        if [&options.first, &options.second].into_iter().any(|scenario| Path::new(scenario) == path) {
+            let problem = format!("found {}, which is a scenario's file; give another", path.display());
+            return Err(Error::invalid("--report", problem).into());
+        }
+        check_writable(path)?;
+    }
+    listen_for_interrupt();
+    let report = with_threads(options.threads.map(usize::from), || report(options, &walkers))??;
+    let shown = if options.json {
+        serde_json::to_string(&report).expect("a report is plain data")
+    } else {
+        text::text(&report)
+    };
+    let printed = output.line(shown).and_then(|()| output.flush());
+    if report.interrupted {
+        say("interrupted; what was finished is kept");
+    }
+    if let Some(path) = &options.report {
+        write_text(path, &comparison::page(&report).html)?;
+        say(&format!("report: {}", path.display()));
+    }
+    printed?;
+    Ok(if report.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+}
+
+/// A scenario that walks.
+struct Walker {
+    base: Base,
+    commanded: CommandedSpeed,
+}
+
+impl Walker {
+    fn new(name: &str, options: &CompareArgs) -> Result<Self, Error> {
+        let base = load(name, &options.sets)?;
+        let commanded = base.walks()?;
+        Ok(Self { base, commanded })
+    }
+
+    fn map(&self, quick: bool) -> Result<SpeedTorque<'_>, Error> {
+        if quick { SpeedTorque::new(&self.base, 5, 5) } else { SpeedTorque::new(&self.base, 13, 11) }
+    }
+
+    fn robustness(&self, speed_mps: f64, quick: bool) -> Result<Robustness, Error> {
+        let base = self.base.at_speed(self.commanded, speed_mps)?;
+        let plan = Plan::new(2, if quick { 2 } else { 10 });
+        let search = if quick { plan.search.quick() } else { plan.search };
+        Robustness::new(&base, &base, Plan { search, ..plan }, interrupted)
+    }
+
+    fn robot(&self, gaits: Vec<Gait>, pushes: Option<Pushes>, map: Vec<Pair>) -> Robot {
+        let model = &self.base.variant().model;
+        let uses: Vec<Use> = gaits.iter().filter_map(|gait| gait.used.clone()).collect();
+        Robot {
+            scenario: self.base.name().to_owned(),
+            mass_kg: model.total_mass(),
+            point_feet: model.contacts.len() == model.feet.len(),
+            gaits,
+            pushes,
+            sizing: Sizing::new(uses, MARGIN),
+            map,
+        }
+    }
+}
+
+/// Finds everything out.
+fn report(options: &CompareArgs, walkers: &[Walker; 2]) -> Result<Report, Error> {
+    let (speeds, quick) = (&options.speeds, options.quick);
+    let maps = [walkers[0].map(quick)?, walkers[1].map(quick)?];
+    let cells = 2 * (1 + if quick { 2 } else { 10 });
+    let rollouts = maps.iter().map(|map| (speeds.len() + map.cells()) as u64 + cells * ROLLOUTS).sum();
+    let work = Jobs::new("compare", rollouts);
+
+    let gaits = walkers.each_ref().map(|walker| {
+        work.all(speeds.len(), 1, |index| Gait::of(&walker.base, walker.commanded, speeds[index], interrupted))
+    });
+    let walked = |speed: f64| gaits.iter().all(|all| all.iter().any(|g| g.speed_mps == speed && g.failure.is_none()));
+    let mut pushes = [None, None];
+    if let Some(&speed) = speeds.iter().find(|&&speed| walked(speed)) {
+        for (walker, pushes) in walkers.iter().zip(&mut pushes) {
+            let all = walker.robustness(speed, quick)?;
+            let found = work.all(all.cells(), ROLLOUTS, |index| all.answer(index, interrupted));
+            let mass = walker.base.variant().model.total_mass();
+            let strikes = found.into_iter().map(|cell| strike(cell, mass)).collect();
+            *pushes = Some(Pushes { speed_mps: speed, stride: all.stride, strikes });
+        }
+    }
+    let maps = maps.map(|map| work.all(map.cells(), 1, |index| map.answer(index, interrupted)));
+    work.finish();
+    let found = walkers.iter().zip(gaits).zip(pushes).zip(maps);
+    let robots = found.map(|(((walker, gaits), pushes), map)| walker.robot(gaits, pushes, map)).collect();
+    Ok(Report { robots, person: PERSON, quick, interrupted: interrupted() })
+}
+
+/// An answer per kilogram as an impulse.
+fn strike(cell: Cell, mass_kg: f64) -> Strike {
+    Strike {
+        phase: cell.phase,
+        direction_deg: cell.direction_deg,
+        impulse_ns: cell.found.value.map(|value| value * mass_kg),
+        reason_beyond: cell.found.reason_beyond,
+    }
+}
