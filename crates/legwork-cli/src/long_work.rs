@@ -1,10 +1,14 @@
 //! Work that takes a while: Ctrl-C, and the bar that shows how long there is to wait.
 
+use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use legwork::study::parallel::run_all;
+use serde::Serialize;
+
+use crate::output::{Failure, Output, say};
 
 /// Exit code after Ctrl-C, as shells have it: 128 and the number of the signal.
 pub(crate) const INTERRUPTED: u8 = 130;
@@ -23,6 +27,25 @@ pub(crate) fn listen_for_interrupt() {
             std::process::exit(i32::from(INTERRUPTED));
         }
     });
+}
+
+/// Prints a report, as JSON or in words, has its files written also where nobody reads what is printed, and says where it was
+/// `interrupted`.
+pub(crate) fn conclude<R: Serialize>(
+    output: &mut Output,
+    report: &R,
+    words: Option<fn(&R) -> String>,
+    interrupted: bool,
+    write: impl FnOnce() -> Result<(), Failure>,
+) -> Result<ExitCode, Failure> {
+    let json = || serde_json::to_string(report).expect("a report is plain data");
+    let printed = output.line(words.map_or_else(json, |words| words(report))).and_then(|()| output.flush());
+    if interrupted {
+        say("interrupted; what was finished is kept");
+    }
+    write()?;
+    printed?;
+    Ok(if interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
 
 /// Whether Ctrl-C was pressed.

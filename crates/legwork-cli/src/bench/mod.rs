@@ -19,7 +19,7 @@ use legwork::study::Base;
 use serde::Serialize;
 
 use crate::args::BenchArgs;
-use crate::long_work::{INTERRUPTED, interrupted, listen_for_interrupt};
+use crate::long_work::{conclude, interrupted, listen_for_interrupt};
 use crate::output::{Failure, Output, check_writable, say, write_text};
 use crate::report;
 pub(crate) use growth::{Growth, Series, Table};
@@ -54,21 +54,13 @@ pub(crate) fn bench(options: &BenchArgs, output: &mut Output) -> Result<ExitCode
     }
     let growth = if options.growth { growth::measure(clock, options.seconds)? } else { None };
     let report = Report { machine, interrupted: interrupted(), scenarios, growth };
-    let shown = if options.json {
-        serde_json::to_string(&report).expect("a report is plain data")
-    } else {
-        text::text(&report)
-    };
-    let printed = output.line(shown).and_then(|()| output.flush());
-    if let (Some(path), Some(growth)) = (&options.plot, &report.growth) {
+    let words = (!options.json).then_some(text::text as fn(&Report) -> String);
+    conclude(output, &report, words, report.interrupted, || {
+        let (Some(path), Some(growth)) = (&options.plot, &report.growth) else { return Ok(()) };
         write_text(path, &report::growth::svg(growth))?;
         say(&format!("plot: {}", path.display()));
-    }
-    if report.interrupted {
-        say("interrupted; what was finished is kept");
-    }
-    printed?;
-    Ok(if report.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+        Ok(())
+    })
 }
 
 fn bases(options: &BenchArgs) -> Result<Vec<Base>, Error> {

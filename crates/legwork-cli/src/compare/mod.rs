@@ -11,12 +11,12 @@ use legwork::study::Base;
 use legwork::study::comparison::{Gait, PERSON, Person};
 use legwork::study::parallel::with_threads;
 use legwork::study::robustness::{Cell, Plan, Robustness, Stride};
-use legwork::study::sizing::{Pair, Sizing, SpeedTorque, Use};
+use legwork::study::sizing::{Pair, Sizing, Use};
 use serde::Serialize;
 
 use crate::args::CompareArgs;
-use crate::limits::load;
-use crate::long_work::{INTERRUPTED, Jobs, interrupted, listen_for_interrupt};
+use crate::limits::{load, speed_torque};
+use crate::long_work::{Jobs, conclude, interrupted, listen_for_interrupt};
 use crate::output::{Failure, Output, check_writable, say, write_text};
 use crate::report::comparison;
 
@@ -105,21 +105,13 @@ pub(crate) fn compare(options: &CompareArgs, output: &mut Output) -> Result<Exit
     }
     listen_for_interrupt();
     let report = with_threads(options.threads.map(usize::from), || report(options, &walkers))??;
-    let shown = if options.json {
-        serde_json::to_string(&report).expect("a report is plain data")
-    } else {
-        text::text(&report)
-    };
-    let printed = output.line(shown).and_then(|()| output.flush());
-    if report.interrupted {
-        say("interrupted; what was finished is kept");
-    }
-    if let Some(path) = &options.report {
+    let words = (!options.json).then_some(text::text as fn(&Report) -> String);
+    conclude(output, &report, words, report.interrupted, || {
+        let Some(path) = &options.report else { return Ok(()) };
         write_text(path, &comparison::page(&report).html)?;
         say(&format!("report: {}", path.display()));
-    }
-    printed?;
-    Ok(if report.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+        Ok(())
+    })
 }
 
 /// A scenario that walks.
@@ -133,10 +125,6 @@ impl Walker {
         let base = load(name, &options.sets)?;
         let commanded = base.walks()?;
         Ok(Self { base, commanded })
-    }
-
-    fn map(&self, quick: bool) -> Result<SpeedTorque<'_>, Error> {
-        if quick { SpeedTorque::new(&self.base, 5, 5) } else { SpeedTorque::new(&self.base, 13, 11) }
     }
 
     fn robustness(&self, speed_mps: f64, quick: bool) -> Result<Robustness, Error> {
@@ -164,7 +152,7 @@ impl Walker {
 /// Finds everything out.
 fn report(options: &CompareArgs, walkers: &[Walker; 2]) -> Result<Report, Error> {
     let (speeds, quick) = (&options.speeds, options.quick);
-    let maps = [walkers[0].map(quick)?, walkers[1].map(quick)?];
+    let maps = [speed_torque(&walkers[0].base, quick)?, speed_torque(&walkers[1].base, quick)?];
     let cells = 2 * (1 + if quick { 2 } else { 10 });
     let rollouts = maps.iter().map(|map| (speeds.len() + map.cells()) as u64 + cells * ROLLOUTS).sum();
     let work = Jobs::new("compare", rollouts);

@@ -14,7 +14,7 @@ use legwork::study::{Base, rollout};
 use serde::Serialize;
 
 use crate::args::{LimitsArgs, Part};
-use crate::long_work::{INTERRUPTED, Jobs, interrupted, listen_for_interrupt};
+use crate::long_work::{Jobs, conclude, interrupted, listen_for_interrupt};
 use crate::output::{Failure, Output, say};
 
 /// Rollouts that an answer and a cell of the robustness map take, about: what the progress counts by.
@@ -57,21 +57,13 @@ pub(crate) fn limits(options: &LimitsArgs, output: &mut Output) -> Result<ExitCo
     }
     listen_for_interrupt();
     let report = with_threads(options.threads.map(usize::from), || study.report())??;
-    let shown = if options.json {
-        serde_json::to_string(&report).expect("a report is plain data")
-    } else {
-        text::text(&report)
-    };
-    let printed = output.line(shown).and_then(|()| output.flush());
-    if report.interrupted {
-        say("interrupted; what was finished is kept");
-    }
-    if let Some(folder) = &options.out {
+    let words = (!options.json).then_some(text::text as fn(&Report) -> String);
+    conclude(output, &report, words, report.interrupted, || {
+        let Some(folder) = &options.out else { return Ok(()) };
         files::write(&report, folder)?;
         say(&format!("report: {}", folder.join("report.html").display()));
-    }
-    printed?;
-    Ok(if report.interrupted { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+        Ok(())
+    })
 }
 
 /// What is to be found out.
@@ -120,7 +112,7 @@ impl<'a> Study<'a> {
     }
 
     fn map(&self) -> Result<SpeedTorque<'_>, Error> {
-        if self.options.quick { SpeedTorque::new(&self.walk, 5, 5) } else { SpeedTorque::new(&self.walk, 13, 11) }
+        speed_torque(&self.walk, self.options.quick)
     }
 
     /// Finds everything out that was asked for.
@@ -168,6 +160,11 @@ impl<'a> Study<'a> {
         }
         Ok(Sizing::new(uses, self.options.margin))
     }
+}
+
+/// The map over speed and torque limit.
+pub(crate) fn speed_torque(base: &Base, quick: bool) -> Result<SpeedTorque<'_>, Error> {
+    if quick { SpeedTorque::new(base, 5, 5) } else { SpeedTorque::new(base, 13, 11) }
 }
 
 /// As [`Base::load`]; of several scenarios, an error of a `--set` names the one.

@@ -179,7 +179,7 @@ impl Walker {
     fn way_of_the_toe(&self, landing: Vector3<f64>) -> Line {
         let left = self.left;
         if self.ground_known && self.ground.is_even() {
-            return Line { x: 0.0, z: 0.0, steepness: self.ground.height_at(1.0) };
+            return self.grade;
         }
         if (landing.x - left.x).abs() < CLOSE {
             return Line { x: landing.x, z: landing.z.max(left.z), steepness: self.grade.steepness };

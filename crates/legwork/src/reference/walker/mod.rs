@@ -34,7 +34,6 @@ const FARTHEST_M: f64 = 0.15;
 const EARLY_S: f64 = 0.05;
 /// Touchdown counts after this share of a swing.
 const LATE: f64 = 0.6;
-
 /// A step as long as this tells how the ground is inclined [m].
 const LONG_ENOUGH: f64 = 0.15;
 /// The share of a step's incline in the line that the centre of mass follows.
