@@ -37,6 +37,7 @@ const SCENARIOS: &[Entry] = &[
     ("exo-sway", include_str!("../../../scenarios/exo-sway.toml")),
     ("exo-lift", include_str!("../../../scenarios/exo-lift.toml")),
     ("feet-walk", include_str!("../../../scenarios/feet-walk.toml")),
+    ("feet-slope", include_str!("../../../scenarios/feet-slope.toml")),
     ("walk-uneven", include_str!("../../../scenarios/walk-uneven.toml")),
     ("push-walking", include_str!("../../../scenarios/push-walking.toml")),
     ("stop-and-go", include_str!("../../../scenarios/stop-and-go.toml")),
@@ -65,6 +66,7 @@ const STUDIES: &[Entry] = &[
     ("feet-terrain", include_str!("../../../studies/feet-terrain.toml")),
     ("feet-monte-carlo", include_str!("../../../studies/feet-monte-carlo.toml")),
     ("feet-wearers", include_str!("../../../studies/feet-wearers.toml")),
+    ("feet-torque", include_str!("../../../studies/feet-torque.toml")),
 ];
 
 const TUNINGS: &[Entry] = &[("thesis", include_str!("../../../tunings/thesis.toml"))];

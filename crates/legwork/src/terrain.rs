@@ -33,6 +33,18 @@ impl Line {
     pub fn through([x, z]: [f64; 2], [other_x, other_z]: [f64; 2]) -> Self {
         Self { x, z, steepness: (other_z - z) / (other_x - x) }
     }
+
+    /// The line with the least squares of the heights that it misses `points` by, which are not all at one x.
+    pub fn fitted(points: &[[f64; 2]]) -> Self {
+        let share = 1.0 / points.len() as f64;
+        let [x, z] = points.iter().fold([0.0; 2], |[x, z], point| [x + share * point[0], z + share * point[1]]);
+        let (mut across, mut along) = (0.0, 0.0);
+        for point in points {
+            across += (point[0] - x) * (point[1] - z);
+            along += (point[0] - x) * (point[0] - x);
+        }
+        Self { x, z, steepness: across / along }
+    }
 }
 
 /// The ground below a robot.
@@ -224,6 +236,22 @@ impl Relief {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_fitted_line_goes_through_points_on_a_line_and_between_others() {
+        let line = Line { x: 1.0, z: 0.2, steepness: -0.3 };
+        let on_it = [-0.7, 0.4, 2.0, 2.1].map(|x| [x, line.at(x)]);
+        let found = Line::fitted(&on_it);
+        assert!((found.steepness - line.steepness).abs() < 1e-15 && (found.at(5.0) - line.at(5.0)).abs() < 1e-14);
+        // Lines beside the fitted one miss by more.
+        let points = [[0.0, 0.01], [0.5, -0.02], [1.1, 0.04], [1.4, 0.0]];
+        let best = Line::fitted(&points);
+        let missed = |line: &Line| points.iter().map(|[x, z]| (z - line.at(*x)).powi(2)).sum::<f64>();
+        for (dz, turn) in [(1e-3, 0.0), (-1e-3, 0.0), (0.0, 1e-3), (0.0, -1e-3), (1e-3, -1e-3)] {
+            let beside = Line { z: best.z + dz, steepness: best.steepness + turn, ..best };
+            assert!(missed(&beside) > missed(&best));
+        }
+    }
     use crate::library;
 
     fn terrain(change: impl FnOnce(&mut Scenario)) -> Terrain {

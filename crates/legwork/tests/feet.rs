@@ -249,7 +249,9 @@ fn pushed(speed: f64, impulse: f64, start: f64, more: &[&str]) -> Run {
 
 #[test]
 fn it_survives_pushes_at_any_time_of_a_step() {
-    for (speed, step_time, forward, backward) in [(1.0, 0.571, 85.0, 90.0), (0.5, 0.523, 90.0, 90.0)] {
+    for (speed, step_time, forward, backward) in
+        [(1.0, 0.571, 85.0, 90.0), (0.5, 0.523, 90.0, 90.0), (1.25, 0.522, 70.0, 80.0)]
+    {
         for (phase, impulse) in (0..4).flat_map(|k| [(0.25 * f64::from(k), forward), (0.25 * f64::from(k), -backward)])
         {
             let run = pushed(speed, impulse, 4.0 + phase * step_time, &[]);

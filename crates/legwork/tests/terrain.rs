@@ -44,6 +44,31 @@ fn it_walks_over_ground_that_it_does_not_see() {
 }
 
 #[test]
+fn slopes_that_nothing_tells_are_walked_at_the_commanded_speed() {
+    let untold = |slope: i32| [format!("ground.slope_deg={slope}"), "ground.known=false".to_owned()];
+    // As steep from 3 m on.
+    let begins = |slope: i32| {
+        let rise = 12.0 * f64::from(slope).to_radians().tan();
+        [format!("ground.profile=[[3,0],[15,{rise:?}]]"), "ground.relief_known=false".to_owned()]
+    };
+    for (speed, ground) in [
+        (0.5, untold(-8)),
+        (1.0, untold(8)),
+        (1.25, untold(-5)),
+        (0.5, begins(5)),
+        (0.5, begins(-5)),
+        (1.0, begins(5)),
+        (1.0, begins(-5)),
+    ] {
+        let set_speed = format!("reference.walker.speed_mps={speed}");
+        let more = [&set_speed, "ground.unevenness_m=0.01", "seed=1", "metrics.from_s=4", &ground[0], &ground[1]];
+        let run = common::run("feet-walk", &more);
+        assert_eq!(run.outcome, Outcome::Completed, "{speed} m/s, {ground:?}: {:?}", run.reason);
+        assert!(run.metrics.mean_speed_mps > 0.95 * speed, "{}", run.metrics.mean_speed_mps);
+    }
+}
+
+#[test]
 fn steps_that_it_sees_are_no_trouble() {
     let stairs = "ground.profile=[[1.5,0],[1.51,0.04],[3,0.04],[3.01,0.08],[5,0.08],[5.01,0.03]]";
     for speed in [0.5, 1.0] {

@@ -97,6 +97,8 @@ pub struct WalkerSettings {
     pub schedule: Vec<[f64; 6]>,
     /// How much lower the centre of mass is on ground that rises, for a steepness of 1 [m].
     pub climb_lowering_m: f64,
+    /// Largest height of the centre of mass where the controller does not know how high the ground is [m].
+    pub unseen_com_height_m: f64,
     /// Time in which the rear foot is unloaded [s].
     pub double_support_s: f64,
     /// Most that the rear foot carries as it begins to be unloaded, in weights.
@@ -139,6 +141,8 @@ pub struct WalkerSettings {
     pub swing_acceleration_mps2: f64,
     /// Longest way from hip to ankle that a place of landing may need [m].
     pub leg_m: f64,
+    /// The heel lifts where a step is prolonged and hip and ankle are that far apart [m].
+    pub stretched_leg_m: f64,
     /// How far the hip is below the centre of mass [m].
     pub hip_below_com_m: f64,
     /// The most that the centre of mass is lowered for a long step [m].
@@ -302,6 +306,7 @@ impl WalkerSettings {
         }
         for length in [
             &mut scaled.climb_lowering_m,
+            &mut scaled.unseen_com_height_m,
             &mut scaled.cop_margin_m,
             &mut scaled.cop_centre_m,
             &mut scaled.cop_span_m,
@@ -310,6 +315,7 @@ impl WalkerSettings {
             &mut scaled.longest_m,
             &mut scaled.longest_back_m,
             &mut scaled.leg_m,
+            &mut scaled.stretched_leg_m,
             &mut scaled.hip_below_com_m,
             &mut scaled.longest_drop_m,
             &mut scaled.clearance_m,
@@ -375,6 +381,7 @@ impl Default for ReferenceSettings {
                     [1.25, 0.522, 0.945, 0.017, 0.5, 0.11],
                 ],
                 climb_lowering_m: 0.3,
+                unseen_com_height_m: 0.94,
                 double_support_s: 0.1,
                 unloading: 2.11,
                 way_gain: 0.6,
@@ -396,6 +403,7 @@ impl Default for ReferenceSettings {
                 longest_back_m: 0.45,
                 swing_acceleration_mps2: 80.0,
                 leg_m: 0.83,
+                stretched_leg_m: 0.845,
                 hip_below_com_m: 0.105,
                 longest_drop_m: 0.1,
                 drop_acceleration_mps2: 3.0,

@@ -230,6 +230,13 @@ pub const SETTINGS: &[Setting] = &[
         OURS,
         "How much lower the centre of mass is uphill, for a steepness of 1.",
     ),
+    number(
+        "reference.walker.unseen_com_height_m",
+        "m",
+        [0.0, 2.0],
+        OURS,
+        "Its largest height where that of the ground is not known.",
+    ),
     number("reference.walker.double_support_s", "s", [0.01, 1.0], FEET, "Time in which the rear foot is unloaded."),
     number(
         "reference.walker.unloading",
@@ -329,6 +336,13 @@ pub const SETTINGS: &[Setting] = &[
         LENGTH,
         FEET,
         "Longest way from hip to ankle that a place of landing may need.",
+    ),
+    number(
+        "reference.walker.stretched_leg_m",
+        "m",
+        [0.1, 2.0],
+        OURS,
+        "Way from hip to ankle at which the heel lifts where a step is prolonged.",
     ),
     number("reference.walker.hip_below_com_m", "m", LENGTH, FEET, "How far the hip is below the centre of mass."),
     number(

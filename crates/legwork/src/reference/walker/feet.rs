@@ -5,15 +5,10 @@ use nalgebra::Vector3;
 use super::{Footing, Motion, Observation, Walker, swing};
 use crate::reference::stance::minimum_jerk;
 use crate::reference::{AngleReference, ObjectReference, PointReference};
-use crate::terrain::Line;
 
 /// The share of a heel's roll that is done when the foot lifts off: it still turns then.
 const ROLLED: f64 = 0.8;
 
-/// A toe's way shorter than this goes straight up and down [m].
-const CLOSE: f64 = 0.05;
-/// Into so many parts a toe's way is divided to look for what is higher.
-const LOOKS: u32 = 16;
 /// How fast a foot that has landed on one end turns until the other is down [rad/s].
 const SETTLING_RATE: f64 = 1.0;
 
@@ -40,14 +35,16 @@ pub(super) struct Flat {
     /// Its slope [rad].
     pub(super) pitch: f64,
     /// The direction along it.
-    along: Vector3<f64>,
+    pub(super) along: Vector3<f64>,
+    /// The point that surely is on the ground, before the one below the ankle [m].
+    pub(super) meets: f64,
 }
 
 impl Flat {
     /// The sole that lies at `pitch` with its point below the ankle at `(x, z)`.
-    fn new(x: f64, z: f64, pitch: f64) -> Self {
+    pub(super) fn new(x: f64, z: f64, pitch: f64) -> Self {
         let (sin, cos) = libm::sincos(pitch);
-        Self { x, z, pitch, along: Vector3::new(cos, 0.0, sin) }
+        Self { x, z, pitch, along: Vector3::new(cos, 0.0, sin), meets: 0.0 }
     }
 
     /// The point of the sole that is `way` before the one below the ankle.
@@ -69,18 +66,14 @@ impl Walker {
             let flat = at(line.pitch);
             Flat { z: line.z + libm::tan(line.pitch) * (flat.x - line.x), ..flat }
         } else {
-            at(observation.pitch[foot][0])
+            let meets = match observation.end_load[foot].map(|load| load > 0.0) {
+                [true, false] => self.sole.heel,
+                [false, true] => self.sole.toe,
+                _ => 0.0,
+            };
+            Flat { meets, ..at(observation.pitch[foot][0]) }
         };
         self.roll[foot] = None;
-    }
-
-    /// How the controller believes that a sole lies with its ankle above `x` [m].
-    fn below_a_sole(&self, x: f64) -> Flat {
-        if !self.ground_known {
-            return Flat::new(x, self.grade.at(x), libm::atan(self.grade.steepness));
-        }
-        let line = self.ground.below_a_sole(x, [self.sole.heel, self.sole.toe]);
-        Flat::new(x, line.z, if self.ground.is_even() { self.ground.base().slope } else { libm::atan(line.steepness) })
     }
 
     /// The roll of a foot that begins now and lifts off after `duration` [s].
@@ -173,31 +166,6 @@ impl Walker {
                 acceleration: point(2, x.acceleration),
             },
         }
-    }
-
-    /// The line above which the toe swings, from where it left the ground to `landing`.
-    fn way_of_the_toe(&self, landing: Vector3<f64>) -> Line {
-        let left = self.left;
-        if self.ground_known && self.ground.is_even() {
-            return self.grade;
-        }
-        if (landing.x - left.x).abs() < CLOSE {
-            return Line { x: landing.x, z: landing.z.max(left.z), steepness: self.grade.steepness };
-        }
-        Line::through([landing.x, landing.z], [left.x, left.z])
-    }
-
-    /// How much the ground that the controller knows rises above the toe's way [m].
-    fn obstacle(&self, way: &Line) -> f64 {
-        if self.ground.is_even() {
-            return 0.0;
-        }
-        let (from, to) = (self.left.x, way.x);
-        let over = |share: f64| {
-            let x = from + share * (to - from);
-            self.ground.height_at(x) - way.at(x)
-        };
-        (1..LOOKS).map(|look| over(f64::from(look) / f64::from(LOOKS))).fold(0.0, f64::max)
     }
 
     /// A foot that has landed on one end alone on ground that the controller does not know turns to where it believes the

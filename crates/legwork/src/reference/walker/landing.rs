@@ -1,7 +1,7 @@
 //! Where and when the swinging foot lands, as far as foot and leg reach.
 
 use super::adapt::{self, Landing};
-use super::{Adaptation, Walker};
+use super::{Adaptation, Observation, Walker};
 
 /// A foot's place is settled that long before it is above it [s].
 const HELD_S: f64 = 0.02;
@@ -57,6 +57,16 @@ impl Walker {
             times[2] = if lifts { (times[3] - heel_off).max(time) } else { times[3] };
         }
         self.plan.end = self.end(self.place);
+    }
+
+    /// Whether the heel would have lifted by now in the step as planned, and the leg of the standing foot comes to its end: a
+    /// step that a push prolongs waits no longer.
+    pub(super) fn waits_too_long(&self, stance: usize, time: f64, observation: &Observation) -> bool {
+        let ankle = &self.placed[stance];
+        let across = observation.com.x - ankle.x;
+        let high = observation.com.z - self.settings.hip_below_com_m - self.sole.ankle - ankle.z;
+        let leg = (across * across + high * high).sqrt();
+        self.swung && time > self.choice.duration - self.heel_off && leg > self.settings.stretched_leg_m
     }
 
     /// Height of the hip above the ankle of a foot below it, where nothing lowers it [m].

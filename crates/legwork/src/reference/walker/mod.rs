@@ -7,6 +7,7 @@
 
 mod adapt;
 mod feet;
+mod ground;
 mod landing;
 mod plan;
 mod stand;
@@ -21,6 +22,7 @@ use crate::scenario::{Adaptation, WalkerSettings};
 use crate::terrain::{Line, Terrain};
 use adapt::{Choice, law};
 use feet::{Flat, Roll};
+use ground::Trail;
 use plan::{CopPlan, StepPlan};
 use swing::Motion;
 
@@ -34,10 +36,6 @@ const FARTHEST_M: f64 = 0.15;
 const EARLY_S: f64 = 0.05;
 /// Touchdown counts after this share of a swing.
 const LATE: f64 = 0.6;
-/// A step as long as this tells how the ground is inclined [m].
-const LONG_ENOUGH: f64 = 0.15;
-/// The share of a step's incline in the line that the centre of mass follows.
-const GRADE_SHARE: f64 = 0.1;
 
 /// What the robot does.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,6 +55,7 @@ pub struct Walker {
     ground_known: bool,
     /// The line that the centre of mass follows, through the stance foot.
     grade: Line,
+    trail: Trail,
     sole: Sole,
     gravity: f64,
     weight: f64,
@@ -114,6 +113,8 @@ impl Walker {
     ) -> Self {
         if !ground_known {
             settings.landing_speed_mps = settings.unseen_landing_speed_mps;
+            let highest = settings.unseen_com_height_m;
+            settings.schedule.iter_mut().for_each(|[_, _, height, ..]| *height = height.min(highest));
         }
         let choice = Choice {
             length: 0.0,
@@ -133,6 +134,7 @@ impl Walker {
             weight: mass * gravity,
             settings,
             grade: Line { x: 0.0, z: 0.0, steepness: ground.base().height_at(1.0) },
+            trail: Trail::default(),
             ground,
             ground_known,
             sole,
@@ -168,6 +170,7 @@ impl Walker {
         for foot in 0..2 {
             walker.place_foot(foot, start);
         }
+        walker.look_around();
         walker
     }
 
@@ -251,27 +254,6 @@ impl Walker {
         self.swung = false;
     }
 
-    /// The centre of mass goes along a line through the foot `stance`, inclined as the ground ahead where it is known, else
-    /// as the last steps were.
-    fn follow_the_ground(&mut self, stance: usize) {
-        if self.ground_known && self.ground.is_even() {
-            return;
-        }
-        let (stance, rear) = (self.placed[stance], self.placed[1 - stance]);
-        let other = if self.ground_known {
-            let ahead = stance.x + self.choice.length;
-            [ahead, self.ground.height_at(ahead)]
-        } else {
-            [rear.x, rear.z]
-        };
-        let mut steepness = self.grade.steepness;
-        if (other[0] - stance.x).abs() > LONG_ENOUGH {
-            let seen = Line::through([stance.x, stance.z], other).steepness;
-            steepness += GRADE_SHARE * (seen - steepness);
-        }
-        self.grade = Line { x: stance.x, z: stance.z, steepness };
-    }
-
     /// Whether the step is long enough for the stance foot to roll over its toe.
     fn heel_lifts(&self) -> bool {
         self.place > self.settings.heel_off_from_m
@@ -327,7 +309,9 @@ impl Walker {
         self.cop = origin + law(&self.plan, gain, self.xcom - origin, reference, time, self.support(stance, time));
 
         // The stance foot
-        if self.heel_lifts() && self.roll[stance].is_none() && time >= self.plan.cop.time[2] {
+        let begins = time >= self.plan.cop.time[2] || self.waits_too_long(stance, time, observation);
+        if self.heel_lifts() && self.roll[stance].is_none() && begins {
+            self.plan.cop.time[2] = self.plan.cop.time[2].min(time);
             self.roll[stance] = Some(self.roll_of(self.heel_off + lift_off));
         }
         self.feet[stance] = self.flat(stance);
