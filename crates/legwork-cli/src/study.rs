@@ -60,8 +60,8 @@ pub(crate) fn merge(options: &MergeArgs, output: &mut Output) -> Result<ExitCode
     }
     let study = Study::parse(store.text(), &into.join("study.toml").display().to_string(), None, &[])?;
     if (study.identity(), study.len()) != (store.identity(), store.total()) {
-        let problem =
-            "a scenario or a robot that the study names has changed since it was run; put it back, or run it anew";
+        let problem = "a scenario or a robot that the study names, or what is measured, has changed since it was run; \
+                       put it back, or run it anew in another folder";
         return Err(Error::invalid(into.display().to_string(), problem).into());
     }
     publish(&study, &store, into, options.json, output)?;

@@ -39,7 +39,7 @@ pub(crate) fn text(tuning: &Tuning, tuned: &Tuned) -> String {
 fn score(score: Score) -> String {
     match score {
         Score::Feasible(objective) => format!("objective {}", digits(objective)),
-        Score::Violating(excess) => format!("above its bounds by {} in sum", digits(excess)),
+        Score::Violating(excess) => format!("beyond its bounds by {} in sum", digits(excess)),
         Score::Falling(_) => "falls".to_owned(),
     }
 }
@@ -80,14 +80,18 @@ fn in_short(cases: &[Comparison], tuning: &Tuning, metric: usize) -> String {
     let better = shares.iter().filter(|share| **share < 1.0).count();
     let mean = shares.iter().sum::<f64>() / shares.len() as f64;
     let name = &tuning.columns[metric].name;
-    format!("\n  {name:<24} × {} on average, less in {better} of {}", digits(mean), shares.len())
+    format!("\n  {name:<32} × {} on average, less in {better} of {}", digits(mean), shares.len())
 }
 
-/// A name that fits its column: `com mean`.
+/// A name that fits its column: `com mean`; of a figure of a joint `r knee`.
 fn short(name: &str) -> String {
     let (name, kind) = name.rsplit_once('.').unwrap_or((name, ""));
-    let stem = name.rsplit('.').next().and_then(|name| name.split('_').next()).unwrap_or_default();
-    format!("{stem} {kind}").trim().chars().take(10).collect()
+    let stem = |name: &str| name.split('_').next().unwrap_or_default().to_owned();
+    let text = match name.strip_prefix("joint.").and_then(|joint| joint.split_once('_')) {
+        Some((side, joint)) => format!("{} {}", side.chars().next().unwrap_or_default(), joint.replace('_', " ")),
+        None => format!("{} {kind}", stem(name)),
+    };
+    text.trim().chars().take(10).collect()
 }
 
 /// All that a program, or a page, may want of it.

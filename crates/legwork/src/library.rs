@@ -69,7 +69,8 @@ const STUDIES: &[Entry] = &[
     ("feet-torque", include_str!("../../../studies/feet-torque.toml")),
 ];
 
-const TUNINGS: &[Entry] = &[("thesis", include_str!("../../../tunings/thesis.toml"))];
+const TUNINGS: &[Entry] =
+    &[("thesis", include_str!("../../../tunings/thesis.toml")), ("feet", include_str!("../../../tunings/feet.toml"))];
 
 /// The names of the built-in models.
 pub fn model_names() -> impl Iterator<Item = &'static str> {

@@ -80,11 +80,50 @@ const KNOWN: [Known; 16] = [
     ("walk", &["ground.slope_deg=-8", "ground.known=false"], "missed-ground", "right_foot", &["ground.slope_deg=-8"]),
 ];
 
+/// The same for the walker.
+#[rustfmt::skip]
+const KNOWN_FEET: [Known; 16] = [
+    ("push-walking", &["pushes.0.force_n=650", "pushes.0.start_s=5.2"], "push", "",
+        &["pushes.0.force_n=450", "pushes.0.start_s=5.2"]),
+    ("push-walking", &["pushes.0.force_n=850", "pushes.0.direction_deg=180", "pushes.0.start_s=5.3"], "push", "",
+        &["pushes.0.force_n=600", "pushes.0.direction_deg=180", "pushes.0.start_s=5.3"]),
+    ("stand-push", &["pushes.0.force_n=1100"], "push", "", &["pushes.0.force_n=700"]),
+    ("stand-push", &["pushes.0.force_n=300", "reference.walker.longest_m=0.1"], "step-too-short", "",
+        &["pushes.0.force_n=300"]),
+    ("feet-walk", &["reference.walker.speed_mps=-0.8"], "step-too-short", "",
+        &["reference.walker.speed_mps=-0.8", "reference.walker.longest_back_m=0.55"]),
+    ("feet-walk", &["ground.patches=[[2,20,0.15]]"], "friction", "right_foot",
+        &["ground.patches=[[2,20,0.15]]", "ground.relief_known=true"]),
+    ("feet-walk", &["ground.friction=0.05"], "friction", "left_toe", &["ground.friction=0.1"]),
+    ("feet-walk", &["controller.limits.torque_nm=100"], "torque-limit", "right_ankle", &[]),
+    ("feet-walk", &["controller.limits.torque_rate_nmps=1000"], "torque-rate-limit", "left_hip", &[]),
+    ("feet-walk", &["controller.limits.joint_acceleration_radps2=40"], "acceleration-limit", "right_hip", &[]),
+    ("feet-walk", &["controller.limits.grf_n=350"], "force-limit", "left_toe", &["controller.limits.grf_n=500"]),
+    ("feet-walk", &["ground.profile=[[2,0],[2.02,-0.1]]"], "missed-ground", "left_foot",
+        &["ground.profile=[[2,0],[2.02,-0.1]]", "ground.relief_known=true"]),
+    ("feet-walk", &["ground.profile=[[1.8,0],[1.82,0.08]]"], "missed-ground", "left_foot",
+        &["ground.profile=[[1.8,0],[1.82,0.08]]", "ground.relief_known=true"]),
+    ("feet-walk", &["ground.slope_deg=-10", "ground.known=false"], "missed-ground", "left_foot",
+        &["ground.slope_deg=-10", "ground.known=false", "controller.assumed_slope_deg=-10"]),
+    ("stand-push", &["pushes.0.force_n=800"], "outweighed", "", &["pushes.0.force_n=800", "controller.weights.torso=0.3"]),
+    ("feet-walk", &["controller.weights.feet=10"], "outweighed", "", &[]),
+];
+
 #[test]
 fn a_known_cause_is_named_and_without_it_the_robot_stands() {
-    for (name, sets, label, part, cure) in KNOWN {
+    check(&KNOWN, "duration_s=3");
+}
+
+#[test]
+fn a_walkers_known_cause_is_named_and_without_it_it_stands() {
+    check(&KNOWN_FEET, "duration_s=10");
+}
+
+/// Label, part and words of each known cause, and that without it the robot is on its feet at the end.
+fn check(known: &[Known], duration: &'static str) {
+    for &(name, sets, label, part, cure) in known {
         let mut sets = sets.to_vec();
-        sets.push("duration_s=3");
+        sets.push(duration);
         let run = common::run(name, &sets);
         let found = diagnosis(&run);
         let context = format!("{name} {sets:?}: {}", found.sentence);
@@ -92,7 +131,7 @@ fn a_known_cause_is_named_and_without_it_the_robot_stands() {
         assert!(found.sentence.contains(&part.replace('_', " ")), "{context}");
 
         let mut cure = cure.to_vec();
-        cure.push("duration_s=3");
+        cure.push(duration);
         let run = common::run(name, &cure);
         assert_eq!((&run.outcome, &run.diagnosis), (&Outcome::Completed, &None), "{name} {cure:?}: {:?}", run.reason);
     }
@@ -110,6 +149,39 @@ fn a_joint_limit_is_named() {
     let found = diagnosis(&run);
     assert_eq!(found.cause, FirstCause::JointLimit { joint: "left_hip".into() }, "{}", found.sentence);
     assert_eq!(number(&found.sentence, "left hip braked before its end at", "deg"), -128.0);
+}
+
+/// At 2 m/s an ankle of the walker comes to its end; with more room in both of them alone it walks on.
+#[test]
+fn the_end_of_an_ankles_range_is_named() {
+    let (scenario, mut model) = load("feet-walk", &["reference.walker.speed_mps=2"]);
+    let run = episode::run(&scenario, &model, &[], |_| false).expect("it can start");
+    let found = diagnosis(&run);
+    assert_eq!(found.cause, FirstCause::JointLimit { joint: "right_ankle".into() }, "{}", found.sentence);
+    assert_eq!(number(&found.sentence, "right ankle braked before its end at", "deg"), 40.0);
+    model.dofs.iter_mut().filter(|dof| dof.name.ends_with("ankle")).for_each(|dof| dof.upper = 75.0_f64.to_radians());
+    let run = episode::run(&scenario, &model, &[], |_| false).expect("it can start");
+    assert_eq!(run.outcome, Outcome::Completed, "{:?}", run.reason);
+}
+
+/// Up 15 degrees the walker's hips are too weak; stronger ones alone carry it up.
+#[test]
+fn the_walkers_named_joint_is_the_one_that_was_too_weak() {
+    let (scenario, mut weak) = load("feet-walk", &[]);
+    for dof in weak.dofs.iter_mut().filter(|dof| dof.name.ends_with("ankle")) {
+        dof.effort_limit = 100.0;
+    }
+    for (strong, stands) in [("ankle", true), ("knee", false), ("hip", false), ("", false)] {
+        let mut model = weak.clone();
+        for dof in model.dofs.iter_mut().filter(|dof| !strong.is_empty() && dof.name.ends_with(strong)) {
+            dof.effort_limit *= 1.5;
+        }
+        let run = episode::run(&scenario, &model, &[], |_| false).expect("it can start");
+        assert_eq!(run.outcome == Outcome::Completed, stands, "stronger '{strong}': {:?}", run.reason);
+        if strong.is_empty() {
+            assert_eq!(diagnosis(&run).cause, FirstCause::TorqueLimit { joint: "right_ankle".into() });
+        }
+    }
 }
 
 /// Not only more torque in all joints saves the baseline: that of the named joint alone does.
@@ -173,6 +245,67 @@ fn the_numbers_of_a_push_are_those_of_the_log() {
 }
 
 #[test]
+fn the_numbers_of_a_push_on_soles_are_those_of_the_log() {
+    let run = common::run("push-walking", &["pushes.0.force_n=700"]);
+    let sentence = &diagnosis(&run).sentence;
+    assert_eq!(number(sentence, "the push of", "Ns"), 700.0 * 0.2);
+    let tick = (number(sentence, "toes by", "s, and") / 0.001).round() as usize;
+    let past = number(sentence, "carried the XcoM", "m past");
+    assert!((past + column(&run, "xcom_margin")[tick]).abs() < 0.06, "{past}: {sentence}");
+    let longest = number(sentence, "longest step of", "m fell");
+    assert!(longest > 0.0 && longest <= run.scenario.reference.walker.longest_m, "{sentence}");
+}
+
+/// A step down, a step up, and a slope, none of them told.
+#[test]
+fn the_ground_that_a_walker_did_not_know_is_as_the_scenario_has_it() {
+    for (edge, step, height, way) in
+        [(2.0, -0.1, 10.0, "lower"), (2.0, -0.15, 15.0, "lower"), (1.8, 0.08, 8.0, "higher")]
+    {
+        let run = common::run("feet-walk", &[&format!("ground.profile=[[{edge:?},0],[{:?},{step:?}]]", edge + 0.02)]);
+        let sentence = &diagnosis(&run).sentence;
+        assert_eq!(number(sentence, "found the ground", &format!("cm {way} than")), height, "{sentence}");
+        // When the foot that it names lands beyond the edge.
+        let time = number(sentence, "believed at", "s;");
+        let tick = (time / 0.001).round() as usize;
+        assert!(
+            column(&run, "foot.left_toe_x")[tick] > edge && column(&run, "foot.right_toe_x")[tick] < edge,
+            "{sentence}"
+        );
+        assert!(column(&run, "swing")[tick - 20] == 1.0 && column(&run, "swing")[tick + 20] != 1.0, "{sentence}");
+    }
+    let run = common::run("feet-walk", &["ground.slope_deg=-10", "ground.known=false"]);
+    let sentence = &diagnosis(&run).sentence;
+    assert!(
+        sentence.contains("lower than the controller believed at")
+            && sentence.contains("(slope -10 deg, assumed to be 0)"),
+        "{sentence}"
+    );
+}
+
+/// On ground that is uneven by more than the walker bears, a push that carries the XcoM out of reach still is the cause.
+#[test]
+fn a_push_on_uneven_ground_is_the_cause() {
+    let uneven = ["ground.unevenness_m=0.02", "pushes=[]", "duration_s=8"];
+    assert_eq!(common::run("walk-uneven", &uneven).outcome, Outcome::Completed);
+    let run = common::run("push-walking", &["ground.unevenness_m=0.02", "pushes.0.force_n=900"]);
+    assert_eq!(diagnosis(&run).cause, FirstCause::Push, "{:?}", run.reason);
+}
+
+/// The force with which a foot is unloaded is planned; only one at the setting's limit is told as a limit.
+#[test]
+fn a_foot_that_is_unloaded_is_not_at_its_force_limit() {
+    let run = common::run("push-walking", &["pushes.0.force_n=650", "pushes.0.start_s=5.1"]);
+    assert!(!run.reason.expect("it falls").contains("force limit"));
+    let limits = run.layout.limits();
+    let unloading = (0..run.log.len()).any(|i| {
+        let active = limits.iter().zip(run.log.get(i, Field::ActiveLimit));
+        active.into_iter().any(|(limit, side)| limit.name.starts_with("force") && *side != 0.0)
+    });
+    assert!(unloading, "the program's bound is active");
+}
+
+#[test]
 fn the_slide_on_ice_is_that_of_the_log() {
     let run = common::run("walk", &["ground.friction=0.3", "ground.known=false"]);
     let sentence = &diagnosis(&run).sentence;
@@ -207,7 +340,8 @@ fn a_fall_by_definition_alone_is_unexplained() {
 fn every_label_is_another_and_each_has_a_scenario() {
     let mut labels = FirstCause::LABELS.map(|(label, _)| label).to_vec();
     assert!(labels.iter().all(|label| label.chars().all(|c| c.is_ascii_lowercase() || c == '-')));
-    let shown: Vec<&str> = KNOWN.iter().map(|known| known.2).chain(["joint-limit", "unexplained"]).collect();
+    let shown: Vec<&str> =
+        KNOWN.iter().chain(&KNOWN_FEET).map(|known| known.2).chain(["joint-limit", "unexplained"]).collect();
     assert!(labels.iter().all(|label| shown.contains(label)), "{labels:?}");
     labels.sort_unstable();
     labels.dedup();
@@ -270,7 +404,8 @@ mod random {
 
     /// Settings that make falls, each drawn from the whole of its range.
     fn assignment(index: usize, share: f64) -> Option<String> {
-        let begins = ["controller.", "ground.", "pushes.", "reference.step", "simulation.contact", "fall."];
+        let begins =
+            ["controller.", "ground.", "pushes.", "reference.step", "reference.walker", "simulation.contact", "fall."];
         let settings: Vec<_> =
             SETTINGS.iter().filter(|setting| begins.iter().any(|begin| setting.path.starts_with(begin))).collect();
         let setting = settings[index % settings.len()];
@@ -289,7 +424,7 @@ mod random {
 
         #[test]
         fn every_fall_has_a_diagnosis(
-            name in prop::sample::select(vec!["walk", "push", "push-support", "push-replan"]),
+            name in prop::sample::select(vec!["walk", "push", "push-support", "push-replan", "feet-walk", "stand-push"]),
             draws in prop::collection::vec((0..1000_usize, 0.0..1.0f64), 1..6),
         ) {
             let mut sets: Vec<String> = draws.iter().filter_map(|&(index, share)| assignment(index, share)).collect();

@@ -250,6 +250,40 @@ fn fill(study: &Study, folder: &Path, threads: usize) -> Store {
     store
 }
 
+/// An older version had other figures, and so another identity.
+#[test]
+fn what_an_older_version_measured_is_refused_by_file_and_never_mixed_in() {
+    let study = parse(&text("design = \"latin-hypercube\"\nsamples = 5")).expect("it is valid");
+    let [old, new] = ["older", "newer"].map(Folder::new);
+    let fresh = fill(&study, &new.0, 2);
+    let rollouts: Vec<Rollout> = fresh.records().collect::<Result<_, _>>().expect("they are whole");
+    let chunk = |folder: &Folder| folder.0.join("chunks/000000.jsonl");
+    let whole = std::fs::read(chunk(&new)).expect("it was written");
+    drop(fresh);
+
+    let older = Store::open(&old.0, study.to_toml(), !study.identity(), study.len(), None).expect("a new folder");
+    let fewer = |rollout: &Rollout| Rollout { figures: rollout.figures[1..].to_vec(), ..rollout.clone() };
+    let range = older.range(0);
+    let records: Vec<Rollout> = rollouts[range.start as usize..range.end as usize].iter().map(fewer).collect();
+    older.write(0, &records).expect("it can be written");
+    drop(older);
+    let refused = Store::open(&old.0, study.to_toml(), study.identity(), study.len(), None).expect_err("another");
+    for words in [&old.0.display().to_string(), "other figures; choose another folder, or delete this one"] {
+        assert!(refused.to_string().contains(words), "{refused}");
+    }
+
+    // Its chunk, brought into the folder of today
+    std::fs::copy(chunk(&old), chunk(&new)).expect("it can be copied");
+    let store = Store::read(&new.0).expect("it holds a study");
+    let refused = store.records::<Rollout>().find_map(Result::err).expect("a chunk is none").to_string();
+    assert!(refused.starts_with(&chunk(&new).display().to_string()), "{refused}");
+    assert!(refused.contains("belongs to study") && refused.ends_with("run the study again to redo it"), "{refused}");
+    let damaged = store.survey().expect("it can be read").damaged;
+    assert_eq!(damaged.iter().map(|damaged| &damaged.path).collect::<Vec<_>>(), [&chunk(&new)]);
+    fill(&study, &new.0, 2);
+    assert!(std::fs::read(chunk(&new)).expect("it is there") == whole, "made again");
+}
+
 #[test]
 fn tables_have_the_same_bytes_for_any_number_of_threads_and_the_figures_of_the_rollouts() {
     let study = parse(&text("design = \"latin-hypercube\"\nsamples = 5")).expect("it is valid");

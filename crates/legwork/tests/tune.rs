@@ -87,6 +87,44 @@ fn the_number_of_threads_does_not_change_a_bit() {
     assert_eq!((&one.training, &one.held_out), (&two.training, &two.held_out));
 }
 
+/// The shipped tuning of the robot with feet: two generations, its five walks and a push, each for a second.
+#[test]
+fn a_walker_on_feet_is_tuned_to_the_same_bits_on_any_number_of_threads() {
+    let mut file: toml::Table = legwork::library::tuning_text("feet").expect("built in").parse().expect("TOML");
+    file.insert("budget".into(), 8.into());
+    file.insert("population".into(), 4.into());
+    for (key, count) in [("cases", 6), ("held_out", 2)] {
+        let cases = file[key].as_array_mut().expect("a list");
+        cases.truncate(count);
+        for case in cases {
+            let set = case["set"].as_table_mut().expect("settings");
+            set.insert("duration_s".into(), 1.0.into());
+            set.remove("metrics");
+            if let Some(pushes) = set.get_mut("pushes") {
+                pushes[0]["start_s"] = 0.5.into();
+            }
+        }
+    }
+    let kept: Vec<String> =
+        file["cases"].as_array().expect("a list").iter().map(|case| case["name"].to_string()).collect();
+    for constraint in file["constraints"].as_array_mut().expect("a list") {
+        constraint["cases"].as_array_mut().expect("names").retain(|name| kept.contains(&name.to_string()));
+    }
+    let tuning = parse(&file.to_string());
+    let (one, two) = (run(&tuning, 1), run(&tuning, 2));
+    assert_eq!((&one.levels, &one.history), (&two.levels, &two.history));
+    assert_eq!((&one.training, &one.held_out), (&two.training, &two.held_out));
+    assert_eq!((one.evaluations, one.history.len(), one.held_out.len()), (8, 2, 2));
+    assert!(one.training.iter().all(|case| case.base.survived()), "the first second is no trouble");
+    // A figure that only feet have
+    let ankle = column(&tuning, "joint.right_ankle.torque_peak_nm");
+    assert_ne!(one.levels, tuning.own, "something is better");
+    let (_, written) = &tuning.scenarios(&tuning.own)[0];
+    assert!(written.contains("\ntorque = 1.86e-8\n") && written.contains("\ncop_gain = 5.89\n"), "{written}");
+    assert!(scenario_file::parse(written, "x.toml", None, &[]).is_ok(), "{written}");
+    assert!(one.training.iter().any(|case| case.figure(ankle).is_some_and(|(base, tuned, _)| base != tuned)));
+}
+
 #[test]
 fn what_is_held_out_has_no_say_in_what_is_found() {
     let text = SMALL.replace("budget = 20", "budget = 8");
@@ -231,7 +269,9 @@ fn factors_and_aims_that_are_none() {
     refuses("\"com_error_m.mean\"", "\"com_error_m.mean\"\ncases = [\"stroll\"]", case, &[]);
     let none = "t.toml:31: objective.0: scenarios: found none; valid are walk, push";
     refuses("\"com_error_m.mean\"", "\"com_error_m.mean\"\nscenarios = []", none, &[]);
-    refuses("at_most_times_base = 1.0", "", "t.toml:34: constraints.0: needs either at_most", &[]);
+    refuses("at_most_times_base = 1.0", "", "t.toml:34: constraints.0: needs one of at_most", &[]);
+    let two = "at_most_times_base = 1.0\nat_least = 3";
+    refuses("at_most_times_base = 1.0", two, "t.toml:34: constraints.0: needs one of at_most", &[]);
     refuses("at_most_times_base = 1.0", "at_most = -2", "t.toml:34: constraints.0: at_most: found -2", &[]);
     let lacking = parse(&SMALL.replace("\"com_error_m.mean\"", "\"recovery_distance_m\""));
     let error = lacking.run(|_| (), || false).expect_err("the walk has none").to_string();

@@ -79,12 +79,23 @@ fn wrong_comparisons_are_refused_before_anything_runs() {
         folder.refuses(2, &[&["compare"], arguments].concat(), &[words]);
     }
     folder.refuses(1, &["compare", "--report", "none/page.html"], &["none/page.html", "its folder does not exist"]);
-    for speeds in ["0", "nan", "6"] {
+    for speeds in ["0", "nan", "6", "-6,0.5", "-0.5,0", "--json"] {
         let done = folder.legwork(&["compare", "--speeds", speeds]);
         assert_eq!((done.code, done.out.as_str()), (2, ""));
         assert!(done.err.contains("valid is a number from -5 to 5, not zero"), "{}", done.err);
     }
     assert_eq!(folder.names(), ["own.toml"]);
+}
+
+#[test]
+fn a_list_of_speeds_may_begin_with_one_backward() {
+    let folder = Folder::new("compare-backward");
+    let arguments = ["compare", "--quick", "--json", "--speeds", "-0.3,0.5", "--set", "duration_s=1"];
+    let report = &folder.json(&arguments)[0];
+    let speeds =
+        |robot: &Value| robot["gaits"].as_array().expect("a list").iter().map(|g| g["speed_mps"].clone()).collect();
+    let found: Vec<Vec<Value>> = report["robots"].as_array().expect("a list").iter().map(speeds).collect();
+    assert_eq!(found, [[-0.3, 0.5].map(Value::from), [-0.3, 0.5].map(Value::from)]);
 }
 
 #[cfg(unix)]

@@ -19,6 +19,11 @@ pub enum FirstCause {
         /// Which.
         joint: String,
     },
+    /// A joint's torque could not change faster.
+    TorqueRate {
+        /// Which.
+        joint: String,
+    },
     /// The force on a foot was at the controller's limit.
     ForceLimit {
         /// Which.
@@ -39,7 +44,7 @@ pub enum FirstCause {
         /// Which.
         joint: String,
     },
-    /// A foot came down where the controller believed the ground to be, and there was none.
+    /// The ground below a foot was not where the controller believed it to be.
     MissedGround {
         /// Which.
         foot: String,
@@ -63,8 +68,9 @@ pub enum FirstCause {
 
 impl FirstCause {
     /// Label and title of each cause, in the order of the enum: what a table of causes has as rows.
-    pub const LABELS: [(&'static str, &'static str); 12] = [
+    pub const LABELS: [(&'static str, &'static str); 13] = [
         ("torque-limit", "torque limit"),
+        ("torque-rate-limit", "torque rate limit"),
         ("force-limit", "contact force limit"),
         ("friction", "friction"),
         ("joint-limit", "end of a joint's range"),
@@ -81,17 +87,18 @@ impl FirstCause {
     fn index(&self) -> usize {
         match self {
             Self::TorqueLimit { .. } => 0,
-            Self::ForceLimit { .. } => 1,
-            Self::Friction { .. } => 2,
-            Self::JointLimit { .. } => 3,
-            Self::AccelerationLimit { .. } => 4,
-            Self::MissedGround { .. } => 5,
-            Self::InfeasibleProgram => 6,
-            Self::Outweighed { .. } => 7,
-            Self::StepTooShort => 8,
-            Self::Push => 9,
-            Self::Numerics => 10,
-            Self::Unexplained => 11,
+            Self::TorqueRate { .. } => 1,
+            Self::ForceLimit { .. } => 2,
+            Self::Friction { .. } => 3,
+            Self::JointLimit { .. } => 4,
+            Self::AccelerationLimit { .. } => 5,
+            Self::MissedGround { .. } => 6,
+            Self::InfeasibleProgram => 7,
+            Self::Outweighed { .. } => 8,
+            Self::StepTooShort => 9,
+            Self::Push => 10,
+            Self::Numerics => 11,
+            Self::Unexplained => 12,
         }
     }
 
@@ -108,7 +115,10 @@ impl FirstCause {
     /// The joint or foot that it names.
     pub fn part(&self) -> Option<&str> {
         match self {
-            Self::TorqueLimit { joint } | Self::JointLimit { joint } | Self::AccelerationLimit { joint } => Some(joint),
+            Self::TorqueLimit { joint }
+            | Self::TorqueRate { joint }
+            | Self::JointLimit { joint }
+            | Self::AccelerationLimit { joint } => Some(joint),
             Self::ForceLimit { foot } | Self::Friction { foot } | Self::MissedGround { foot } => Some(foot),
             Self::InfeasibleProgram
             | Self::Outweighed { .. }
@@ -141,7 +151,7 @@ pub enum What {
     Saturated {
         /// Which.
         cause: FirstCause,
-        /// Its value [Nm, N, rad/s², or 1 of friction; of a joint's range the end that it moved to, rad].
+        /// Its value [Nm, Nm/s, N, rad/s², or 1 of friction; of a joint's range the end that it moved to, rad].
         value: f64,
         /// For which share of the step or double support, 0 to 1.
         share: f64,
@@ -168,10 +178,21 @@ pub enum What {
         /// How much lower the ground is than the controller believed [m].
         lower: f64,
     },
+    /// A foot of the walker landed on ground that was not where the controller believed it to be.
+    Misstepped {
+        /// Which.
+        foot: String,
+        /// How much lower the ground is [m], negative where it is higher.
+        lower: f64,
+    },
     /// The XcoM went out of the reach of all steps to come.
     OutOfReach {
-        /// How far past the front foot [m].
+        /// How far past `edge` [m].
         past: f64,
+        /// The `front foot`, or of feet with soles the `toes` or `heels`.
+        edge: &'static str,
+        /// The longest step [m].
+        longest: f64,
         /// By how much the longest step falls short [m].
         short: f64,
         /// The impulse of the pushes until then [Ns], where they are the first cause.

@@ -5,16 +5,17 @@ use std::ops::Range;
 use legwork_rbd::Model;
 
 use super::FirstCause;
+use super::reach::Steps;
 use crate::control::Fallback;
 use crate::feet::FootRows;
 use crate::log::{Field, Log};
 use crate::qp::Layout;
-use crate::reference::{swing, xcom};
+use crate::reference::xcom;
 use crate::scenario::Scenario;
 use crate::terrain::Terrain;
 
-/// A foot carries load from this share of the robot's weight on; less than that drags without effect.
-const LOADED: f64 = 0.1;
+/// A force or torque is at its limit from this share of it on.
+const FULL: f64 = 0.999;
 
 /// Ticks of one double support or of one step.
 #[derive(Clone, Debug)]
@@ -41,10 +42,13 @@ pub(super) struct Evidence<'a> {
     pub(super) log: &'a Log,
     pub(super) stretches: Vec<Stretch>,
     pub(super) saturations: Vec<Saturation>,
-    ground: Terrain,
-    believed: Terrain,
-    axes: usize,
+    pub(super) steps: Steps<'a>,
+    pub(super) ground: Terrain,
+    pub(super) believed: Terrain,
+    /// Number of linear axes.
+    pub(super) axes: usize,
     feet: Vec<FootRows>,
+    actuated: Vec<usize>,
 }
 
 impl<'a> Evidence<'a> {
@@ -52,8 +56,20 @@ impl<'a> Evidence<'a> {
         let axes = model.linear_axes().len();
         let (ground, believed) = (Terrain::of(scenario, model), Terrain::believed(scenario, model));
         let (stretches, saturations) = (stretches(log), saturations(model, layout));
-        let feet = FootRows::of(model);
-        Self { scenario, model, log, stretches, saturations, ground, believed, axes, feet }
+        let (feet, steps) = (FootRows::of(model), Steps::of(scenario, model));
+        Self {
+            scenario,
+            model,
+            log,
+            stretches,
+            saturations,
+            steps,
+            ground,
+            believed,
+            axes,
+            feet,
+            actuated: layout.actuated.clone(),
+        }
     }
 
     pub(super) fn time(&self, i: usize) -> f64 {
@@ -93,14 +109,14 @@ impl<'a> Evidence<'a> {
         self.log.foot(i, foot).next().expect("a foot has a place")
     }
 
-    fn foot_reference_x(&self, i: usize, foot: usize) -> f64 {
-        self.log.get(i, Field::FeetReference)[foot * 3 * self.axes]
+    /// Where a foot should be, then how fast it should move and accelerate [m, m/s, m/s²].
+    pub(super) fn foot_goal(&self, i: usize, foot: usize) -> &[f64] {
+        &self.log.get(i, Field::FeetReference)[foot * 3 * self.axes..]
     }
 
     /// How far a foot is off its path [m].
     pub(super) fn foot_off(&self, i: usize, foot: usize) -> f64 {
-        let goals = &self.log.get(i, Field::FeetReference)[foot * 3 * self.axes..];
-        let squares = self.log.foot(i, foot).zip(goals).map(|(place, goal)| (place - goal).powi(2));
+        let squares = self.log.foot(i, foot).zip(self.foot_goal(i, foot)).map(|(place, goal)| (place - goal).powi(2));
         squares.sum::<f64>().sqrt()
     }
 
@@ -148,10 +164,32 @@ impl<'a> Evidence<'a> {
                 let yielded = self.fallback(i) >= f64::from(Fallback::JointLimitsYield as u8);
                 (active > 0 || yielded) && self.log.get(i, Field::Braking)[index] != 0.0
             }
+            FirstCause::TorqueLimit { .. } => active > 0 && !self.is_slewing(index, i),
+            FirstCause::TorqueRate { .. } => active > 0 && self.is_slewing(index, i),
+            // Less than the limit is what the foot is to carry while it is unloaded.
+            FirstCause::ForceLimit { .. } => {
+                active > 0 && self.largest_force(index, i) > FULL * self.scenario.controller.limits.grf_n
+            }
             // At both sides of the cone is at its tip: no force at all.
             FirstCause::Friction { .. } => active == 1,
             _ => active > 0,
         }
+    }
+
+    /// Whether the torque of an actuated joint, where a bound holds it, is within its limit.
+    fn is_slewing(&self, index: usize, i: usize) -> bool {
+        self.log.get(i, Field::Torque)[index].abs() < FULL * self.torque_limit(self.actuated[index])
+    }
+
+    /// Largest torque of a joint [Nm].
+    fn torque_limit(&self, dof: usize) -> f64 {
+        self.scenario.controller.limits.torque_nm.min(self.model.dofs[dof].effort_limit)
+    }
+
+    /// Largest component of the program's force on a contact point [N].
+    fn largest_force(&self, contact: usize, i: usize) -> f64 {
+        let forces = self.log.get(i, Field::Grf)[contact * self.axes..].iter().take(self.axes);
+        forces.fold(0.0, |most, force| most.max(force.abs()))
     }
 
     /// Share of `ticks` in which a limit is active.
@@ -160,47 +198,10 @@ impl<'a> Evidence<'a> {
         ticks.filter(|&i| self.is_saturated(saturation, i)).count() as f64 / count
     }
 
-    /// How far a standing foot slid under load in `ticks` [m], where the ground holds less than the controller believes;
-    /// one that swings drags at most.
-    pub(super) fn slide(&self, ticks: Range<usize>, foot: usize) -> f64 {
-        let vertical = self.axes - 1;
-        let loaded = |i: usize| {
-            let stands = self.log.get(i, Field::Swing)[0] != foot as f64;
-            let forces = self.log.get(i, Field::GrfSimulated).chunks_exact(self.axes).zip(&self.model.contacts);
-            let load: f64 = forces.filter(|(_, contact)| contact.foot == foot).map(|(force, _)| force[vertical]).sum();
-            let [friction, believed] = self.friction_below(i, foot);
-            stands && load > LOADED * self.weight() && believed > friction
-        };
-        let ticks = ticks.start..ticks.end.min(self.log.len().saturating_sub(1));
-        let cos = libm::cos(self.ground.base().slope);
-        ticks.filter(|&i| loaded(i)).map(|i| (self.foot_x(i + 1, foot) - self.foot_x(i, foot)).abs() / cos).sum()
-    }
-
     /// Eigenfrequency of the pendulum [1/s], as the reference generator has it.
     pub(super) fn omega(&self, i: usize) -> f64 {
         let com = self.log.get(i, Field::ComReference);
         xcom::eigenfrequency(self.model.gravity, com[self.axes - 1] - self.ground.height_at(com[0]))
-    }
-
-    /// Where the foot that swings in `stretch` should come down along x [m], by the latest plan.
-    pub(super) fn landing(&self, stretch: &Stretch, foot: usize) -> f64 {
-        let (first, last) = (stretch.ticks.start, stretch.ticks.end - 1);
-        let duration = self.scenario.reference.step.duration_s;
-        let elapsed = (self.time(last) - self.time(first)).min(duration);
-        let done = swing::forward(elapsed, duration, 1.0).value;
-        let from = self.foot_reference_x(first, foot);
-        if done > 0.0 { from + (self.foot_reference_x(last, foot) - from) / done } else { from }
-    }
-
-    /// How far short of its planned place the foot came down at the end of `stretch` [m], negative beyond it; none where
-    /// it did not come down.
-    pub(super) fn short(&self, stretch: &Stretch, foot: usize) -> Option<f64> {
-        let landed = stretch.ticks.end;
-        if landed >= self.log.len() {
-            return None;
-        }
-        let way = self.landing(stretch, foot) - self.foot_reference_x(stretch.ticks.start, foot);
-        Some((self.landing(stretch, foot) - self.foot_x(landed, foot)) * way.signum())
     }
 
     /// The value of a limit; of a joint's range, the end that it moves to in tick `i` [Nm, N, rad/s², 1, rad].
@@ -208,7 +209,8 @@ impl<'a> Evidence<'a> {
         let limits = &self.scenario.controller.limits;
         let dof = |joint: &str| self.model.dofs.iter().position(|dof| dof.name == *joint).unwrap_or(0);
         match cause {
-            FirstCause::TorqueLimit { joint } => limits.torque_nm.min(self.model.dofs[dof(joint)].effort_limit),
+            FirstCause::TorqueLimit { joint } => self.torque_limit(dof(joint)),
+            FirstCause::TorqueRate { .. } => limits.torque_rate_nmps,
             FirstCause::ForceLimit { .. } => limits.grf_n,
             FirstCause::AccelerationLimit { .. } => limits.joint_acceleration_radps2,
             FirstCause::JointLimit { joint } => {
@@ -222,45 +224,6 @@ impl<'a> Evidence<'a> {
     /// The friction that the controller counts on, where nothing tells it better.
     pub(super) fn assumed_friction(&self) -> f64 {
         self.believed.base().friction
-    }
-
-    /// The friction below a foot in tick `i`, and the one that the controller counts on there.
-    pub(super) fn friction_below(&self, i: usize, foot: usize) -> [f64; 2] {
-        [&self.ground, &self.believed].map(|ground| ground.friction_at(self.foot_x(i, foot)))
-    }
-
-    /// How much lower the ground below a foot is in tick `i` than the controller believes [m].
-    pub(super) fn lower(&self, i: usize, foot: usize) -> f64 {
-        let x = self.foot_x(i, foot);
-        self.believed.height_at(x) - self.ground.height_at(x)
-    }
-
-    /// XcoM and feet as the step under way leaves them, or as they are in double support: how far the XcoM is past
-    /// the front foot, and how far the feet are apart [m].
-    pub(super) fn past_front(&self, i: usize) -> (f64, f64) {
-        let (mut xcom, mut feet) = (self.log.get(i, Field::Xcom)[0], [self.foot_x(i, 0), self.foot_x(i, 1)]);
-        let stretch = self.stretch(i);
-        if let Some(foot) = stretch.foot {
-            let duration = self.scenario.reference.step.duration_s;
-            let left = (duration - (self.time(i) - self.time(stretch.ticks.start))).max(0.0);
-            xcom = xcom::predicted_xcom(xcom, feet[1 - foot], self.omega(i), left); // Thesis (2.5)
-            feet[foot] = self.landing(stretch, foot);
-        }
-        let middle = 0.5 * (feet[0] + feet[1]);
-        let apart = (feet[0] - feet[1]).abs();
-        ((xcom - middle).abs() - 0.5 * apart, apart)
-    }
-
-    /// How far the XcoM is beyond what any number of longest steps can catch [m]; negative where it is in reach.
-    ///
-    /// With the XcoM b past the front foot and the feet s apart, the rear foot steps L in the time T and the
-    /// pendulum's point foot stands still: b' = b e^(ωT) − (L − s), s' = L − s. Two such steps keep b where
-    /// b (e^(2ωT) − 1) = (L − s) e^(ωT) + s. Koolen et al. 2012, "Capturability-based analysis", for this step machine.
-    pub(super) fn out_of_reach(&self, i: usize) -> f64 {
-        let step = &self.scenario.reference.step;
-        let (past, apart) = self.past_front(i);
-        let growth = libm::exp(self.omega(i) * step.duration_s);
-        past - ((step.max_length_m - apart) * growth + apart) / (growth * growth - 1.0)
     }
 }
 
@@ -291,6 +254,7 @@ fn saturations(model: &Model, layout: &Layout) -> Vec<Saturation> {
         let joint = model.dofs[dof].name.clone();
         let (torque, acceleration) = (format!("torque {joint}"), format!("acceleration {joint}"));
         all.push(of(FirstCause::TorqueLimit { joint: joint.clone() }, index, &torque));
+        all.push(of(FirstCause::TorqueRate { joint: joint.clone() }, index, &torque));
         all.push(of(FirstCause::JointLimit { joint: joint.clone() }, index, &acceleration));
         all.push(of(FirstCause::AccelerationLimit { joint }, index, &acceleration));
     }

@@ -9,6 +9,9 @@
 mod cause;
 mod evidence;
 mod failure;
+mod ground;
+mod landing;
+mod reach;
 mod rules;
 mod words;
 

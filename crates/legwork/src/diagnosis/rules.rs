@@ -8,7 +8,8 @@ use std::ops::Range;
 use legwork_rbd::Model;
 
 use super::evidence::{Evidence, Saturation, Stretch};
-use super::failure::{ASTRAY, Failure, Kind, consequence, failures, wanted};
+use super::failure::{ASTRAY, Failure, Kind, consequence, failures};
+use super::reach::Steps;
 use super::{Cause, Diagnosis, Event, Fall, FirstCause, What, words};
 use crate::control::Fallback;
 use crate::log::Log;
@@ -26,8 +27,15 @@ const MORE_THAN_BEFORE: f64 = 0.2;
 /// Among limits that account for at least this share of the most that one accounts for, the first to saturate counts.
 const AS_GOOD: f64 = 0.95;
 /// A friction cone this wide holds the force from a foot to the centre of mass at either end of the longest step
-/// ([`LONGEST_STEP`]): it is touched where other limits push the force aside, and more friction saves no fall.
+/// (of 1.4 heights of the CoM): it is touched where other limits push the force aside, and more friction saves no fall.
 const WIDE_CONE: f64 = 0.7;
+/// Ground is lower than believed from here on [m].
+const LOWER: f64 = 0.003;
+/// The walker lands on ground that is this much lower or higher than believed at the least where that can make it fall [m]: on
+/// ground uneven by 1 cm, where it is up to 0.02 m, none of 120 robots fell.
+const MISSTEP: f64 = 0.025;
+/// Its missteps are looked for in the step that failed and in the two before.
+const STEPS_BEFORE: usize = 3;
 /// Hard tasks yielded in this share of the time in which the failure grew.
 const YIELDED: f64 = 0.3;
 /// The balance of energy is broken by this share of m g h. Sound runs stay hundreds of times below.
@@ -36,11 +44,6 @@ const ENERGY: f64 = 0.05;
 const BOUNCED: f64 = 0.1;
 /// Without a limit to blame, a task was given up if it was missed by this many times as much as in the time before.
 const GIVEN_UP: f64 = 2.0;
-/// The longest step that legs make, in heights of the CoM at the start: legs are about 1.05 of them long, and hips let
-/// down to 0.78 of them reach 0.7 behind and 0.7 ahead.
-const LONGEST_STEP: f64 = 1.4;
-/// A foot on its path is late when its step has lasted this many times its duration: healthy ones last up to 1.3.
-const LATE: f64 = 1.5;
 
 /// Why the robot of `scenario` fell; `log` is that of the whole run, `layout` that of its program.
 pub fn diagnose(scenario: &Scenario, model: &Model, fall: &Fall, log: &Log, layout: &Layout) -> Diagnosis {
@@ -84,6 +87,7 @@ fn delivered<'p>(pushes: impl Iterator<Item = &'p Push>, time: f64) -> f64 {
 /// and a rule that names the part which gave way before one that only describes.
 fn first_cause(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Option<(FirstCause, Event)> {
     numerics(evidence, failure, fall)
+        .or_else(|| misstep(evidence, failure))
         .or_else(|| slide(evidence, failure))
         .or_else(|| missed_ground(evidence, failure))
         .or_else(|| out_of_reach(evidence, failure))
@@ -113,6 +117,31 @@ fn numerics(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Option<(
     if share > BOUNCED { said(off[0], What::Bounced { share }) } else { None }
 }
 
+/// The controller did not know the ground's height, and a foot of the walker, which lands where it finds the ground, did so where
+/// that was not believed to be. Of the latest steps the
+/// worst counts; a push among them that carries the XcoM out of reach comes first.
+fn misstep(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
+    if !matches!(evidence.steps, Steps::Walker(_)) || evidence.scenario.ground.height_is_known() {
+        return None;
+    }
+    let end = failure.window.end;
+    let begun = evidence.stretches.iter().rev().filter(|stretch| stretch.foot.is_some() && stretch.ticks.start < end);
+    let steps: Vec<&Stretch> = begun.take(STEPS_BEFORE).collect();
+    let times = evidence.time(steps.last()?.ticks.start)..evidence.time(end - 1);
+    let pushed = evidence.scenario.pushes.iter().any(|push| impulse(push) > 0.0 && times.contains(&push.start_s));
+    if failure.kind == Kind::OutOfReach && pushed {
+        return None;
+    }
+    let landings = steps.iter().filter_map(|stretch| Some((stretch.ticks.end, stretch.foot?)));
+    let landings = landings.filter(|&(landed, foot)| landed < evidence.log.len() && evidence.touching(landed, foot));
+    let (landed, foot, lower) = landings
+        .map(|(landed, foot)| (landed, foot, evidence.lower_than_the_other(landed, foot)))
+        .max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
+    let name = evidence.foot_name(foot);
+    let event = Event { time: evidence.time(landed), what: What::Misstepped { foot: name.clone(), lower } };
+    (lower.abs() > MISSTEP).then_some((FirstCause::MissedGround { foot: name }, event))
+}
+
 /// A loaded foot slid on ground that is more slippery than the controller was told. Where it knows the ground, it
 /// stops at the friction cone, and [`saturation`] judges that.
 fn slide(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
@@ -136,14 +165,15 @@ fn slide(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Even
     Some((FirstCause::Friction { foot: name }, Event { time: evidence.time(start), what }))
 }
 
-/// The controller did not know the ground's height, and a swinging foot found no ground at the end of its path.
+/// The controller did not know the ground's height, and a swinging foot of the step machine found no ground at the end of its
+/// path.
 fn missed_ground(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
     let stretch = evidence.stretch(failure.window.end - 1);
     let (foot, begin) = (stretch.foot?, stretch.ticks.start);
-    let late = begin + evidence.ticks_in(LATE * evidence.scenario.reference.step.duration_s);
+    let late = evidence.late(stretch)?;
     let hangs = stretch.ticks.contains(&late) && !evidence.touching(late, foot);
     let lower = evidence.lower(late.min(failure.window.end - 1), foot);
-    if !hangs || lower == 0.0 || evidence.foot_off(late, foot) > ASTRAY {
+    if !hangs || lower < LOWER || evidence.foot_off(late, foot) > ASTRAY {
         return None;
     }
     let name = evidence.foot_name(foot);
@@ -161,19 +191,12 @@ fn out_of_reach(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCaus
     // Told where the next step begins after the push: what it has to reach.
     let pushes = || evidence.scenario.pushes.iter().filter(|push| push.start_s <= evidence.time(out));
     let over = pushes().map(|push| push.start_s + push.duration_s).fold(evidence.time(out), f64::max);
-    let next = evidence.stretches.iter().find(|stretch| {
-        stretch.foot.is_some() && stretch.ticks.start >= out && evidence.time(stretch.ticks.start) >= over
-    });
-    let last = evidence.log.len() - 1;
-    let after = (out..last).find(|&i| evidence.time(i) >= over).unwrap_or(last);
-    let tick = next.map_or(after, |stretch| stretch.ticks.start.max(1) - 1);
-    let (time, past, wanted) = wanted(evidence, tick);
-    let short = wanted - evidence.scenario.reference.step.max_length_m;
+    let tick = evidence.told_at(out, over);
+    let (time, wanted) = (evidence.time(tick), evidence.wanted(tick)?);
     let impulse = delivered(pushes(), time.max(evidence.time(out)));
-    let longest = LONGEST_STEP * evidence.scenario.start.com_height_m;
-    let cause = if impulse > 0.0 && wanted > longest { FirstCause::Push } else { FirstCause::StepTooShort };
+    let cause = if impulse > 0.0 && wanted.beyond_legs { FirstCause::Push } else { FirstCause::StepTooShort };
     let pushed = (cause == FirstCause::Push).then_some(impulse);
-    (short > 0.0).then_some((cause, Event { time, what: What::OutOfReach { past, short, pushed } }))
+    (wanted.short > 0.0).then_some((cause, Event { time, what: wanted.missed(pushed) }))
 }
 
 /// Hard tasks gave way, or no program had a solution.

@@ -11,12 +11,11 @@ pub(super) fn sentence(
     because: Option<&Event>,
     consequence: Option<&Event>,
 ) -> String {
-    let scenario = evidence.scenario;
     let cause = because.and_then(|event| reason(evidence, event, consequence));
     let effect = match because {
         // The story of the reach is a whole one.
         Some(Event { what: What::OutOfReach { .. }, .. }) => None,
-        _ => consequence.and_then(|event| effect(scenario, event)),
+        _ => consequence.and_then(effect),
     };
     let missed = match (because, consequence) {
         (Some(Event { what: What::Saturated { .. } | What::Outweighed { .. }, .. }), Some(event)) => missed(event),
@@ -41,8 +40,14 @@ fn rounded(value: f64) -> f64 {
     (1e3 * value).round() / 1e3
 }
 
+/// The slope and what was assumed of it, where the controller was not told.
+fn slope(scenario: &Scenario) -> Option<String> {
+    let (slope, assumed) = (rounded(scenario.ground.slope_deg), rounded(scenario.controller.assumed_slope_deg));
+    (!scenario.ground.known).then(|| format!("slope {slope} deg, assumed to be {assumed}"))
+}
+
 /// What went wrong.
-fn effect(scenario: &Scenario, event: &Event) -> Option<String> {
+fn effect(event: &Event) -> Option<String> {
     let time = event.time;
     let text = match &event.what {
         What::Sank { by, .. } => format!("the centre of mass had sunk {by:.2} m by {time:.2} s"),
@@ -57,11 +62,9 @@ fn effect(scenario: &Scenario, event: &Event) -> Option<String> {
         What::FootAstray { foot, off, .. } => {
             format!("the {} was up to {off:.2} m off its path by {time:.2} s", plain(foot))
         }
-        What::OutOfReach { past, .. } => {
-            let longest = rounded(scenario.reference.step.max_length_m);
-            format!(
-                "the XcoM, {past:.2} m past the front foot at {time:.2} s, was out of reach of steps of {longest} m"
-            )
+        What::OutOfReach { past, edge, longest, .. } => {
+            let longest = rounded(*longest);
+            format!("the XcoM, {past:.2} m past the {edge} at {time:.2} s, was out of reach of steps of {longest} m")
         }
         _ => return None,
     };
@@ -100,23 +103,31 @@ fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -
             let time = event.time;
             format!("the {} slid {by:.2} m from {time:.2} s on (friction {friction}{belief})", plain(foot))
         }
-        What::OutOfReach { past, short, pushed } => {
-            let longest = rounded(scenario.reference.step.max_length_m);
+        What::OutOfReach { past, edge, longest, short, pushed } => {
+            let longest = rounded(*longest);
             let who =
                 pushed.map_or("the XcoM got".to_owned(), |push| format!("the push of {push:.0} Ns carried the XcoM"));
             let time = event.time;
             format!(
-                "{who} {past:.2} m past the front foot by {time:.2} s, and the longest step of {longest} m fell {short:.2} m short of it"
+                "{who} {past:.2} m past the {edge} by {time:.2} s, and the longest step of {longest} m fell {short:.2} m short of it"
             )
         }
         What::MissedGround { foot, lasted, lower } => {
-            let (slope, assumed) = (rounded(scenario.ground.slope_deg), rounded(scenario.controller.assumed_slope_deg));
-            let why = if scenario.ground.known {
-                format!("{:.0} cm lower than the controller believed", 100.0 * lower)
-            } else {
-                format!("slope {slope} deg, assumed to be {assumed}")
-            };
+            let why = slope(scenario)
+                .unwrap_or_else(|| format!("{:.0} cm lower than the controller believed", 100.0 * lower));
             format!("the {} found no ground for {lasted:.2} s ({why})", plain(foot))
+        }
+        What::Misstepped { foot, lower } => {
+            let way = if *lower > 0.0 { "lower" } else { "higher" };
+            let (by, slope) = match slope(scenario) {
+                Some(slope) => (String::new(), format!(" ({slope})")),
+                None => (format!("{:.0} cm ", 100.0 * lower.abs()), String::new()),
+            };
+            format!(
+                "the {} found the ground {by}{way} than the controller believed at {:.2} s{slope}",
+                plain(foot),
+                event.time
+            )
         }
         What::TasksYielded { ticks, of } => {
             let tracking = &scenario.controller.tracking;
@@ -152,6 +163,9 @@ fn at_limit(cause: &FirstCause, value: f64) -> Option<String> {
     let part = plain(cause.part()?);
     match cause {
         FirstCause::TorqueLimit { .. } => Some(format!("the {part} was at its {value:.0} Nm torque limit")),
+        FirstCause::TorqueRate { .. } => {
+            Some(format!("the {part}'s torque changed as fast as it may, {value:.0} Nm/s,"))
+        }
         FirstCause::AccelerationLimit { .. } => Some(format!("the {part} was at its limit of {value:.0} rad/s2")),
         FirstCause::JointLimit { .. } => {
             Some(format!("the {part} braked before its end at {:.0} deg", value.to_degrees()))

@@ -291,6 +291,14 @@ impl WalkerSettings {
         std::array::from_fn(|k| a[k + 1] + share * (b[k + 1] - a[k + 1]))
     }
 
+    /// Farthest that an ankle lands before the centre of mass on level ground at `speed` [m/s], where `ankle` is its height above the
+    /// ground and the centre of mass is `lowered` for it [m].
+    pub fn farthest_ahead(&self, speed: f64, ankle: f64, lowered: f64) -> f64 {
+        let [_, height, bob, ..] = self.scheduled(speed);
+        let hip = height - 0.5 * bob - self.hip_below_com_m - ankle - lowered;
+        (self.leg_m * self.leg_m - hip * hip).max(0.0).sqrt()
+    }
+
     /// The settings for a robot whose lengths are `stature` times those that they are for. Times follow the square root,
     /// as for pendulums (Hof 1996); speeds stay what is commanded.
     #[must_use]

@@ -122,6 +122,19 @@ pub(crate) fn check(tree: toml::Value, name: &str) -> Result<Scenario, Error> {
     Draft { tree, places: Places::default() }.check(name)
 }
 
+/// A list of pushes, with the defaults of what each leaves out.
+///
+/// # Errors
+/// It is no such list.
+pub(crate) fn pushes(list: &toml::Value) -> Result<toml::Value, Error> {
+    let mut draft = Draft::default();
+    draft.set(&format!("pushes={list}")).map_err(|error| match error {
+        Error::Invalid { place, problem } => Error::invalid(place.trim_start_matches("--set "), problem),
+        other => other,
+    })?;
+    Ok(draft.tree["pushes"].clone())
+}
+
 fn resolve(origin: Origin, sets: &[String]) -> Result<Loaded, Error> {
     let mut draft = origin.draft(&mut Vec::new())?;
     for assignment in sets {

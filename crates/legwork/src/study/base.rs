@@ -152,7 +152,11 @@ impl Base {
             };
             let slot = slot.ok_or_else(|| self.unknown(path))?;
             let whole = matches!(Setting::find(path), Some(Setting { valid: Valid::Integer { .. }, .. }));
-            *slot = change.apply(slot, whole).map_err(|problem| Error::invalid(path, problem))?;
+            match change {
+                // They have defaults, and keys that they must have.
+                Change::To(pushes) if path == "pushes" => *slot = scenario_file::pushes(pushes)?,
+                _ => *slot = change.apply(slot, whole).map_err(|problem| Error::invalid(path, problem))?,
+            }
             if path.starts_with(MODEL) {
                 path.clone_into(&mut last);
             }
@@ -307,6 +311,25 @@ mod tests {
         assert_eq!(model.contacts[1].position, before.contacts[1].position * 1.01);
         assert_eq!(model.contacts[0], before.contacts[0]);
         assert_eq!(model.dofs.iter().find(|dof| dof.name == "right_hip").map(|dof| dof.upper), Some(3.0));
+    }
+
+    #[test]
+    fn a_list_of_pushes_has_the_defaults_of_a_file() {
+        let pushes = |text: &str| {
+            let table: toml::Table = text.parse().expect("it is TOML");
+            [("pushes", Change::To(table["pushes"].clone()))]
+        };
+        let given = "pushes = [{ force_n = 400, start_s = 1, duration_s = 0.2 }]";
+        let variant = vary(&pushes(given)).expect("a valid push");
+        let read = scenario_file::load("walk", &[given.replacen(' ', "", 2)]).expect("the same on the command line");
+        assert_eq!(variant.scenario.pushes, read.scenario.pushes);
+        assert_eq!(variant.scenario.pushes.len(), 1);
+        let short = refusal(&pushes("pushes = [{ force_n = 400 }]"));
+        assert!(short.starts_with("pushes.0: start_s is missing"), "{short}");
+        let misspelt = refusal(&pushes("pushes = [{ force = 400 }]"));
+        assert!(misspelt.starts_with("pushes.0.force: unknown; did you mean pushes.0.force_n?"), "{misspelt}");
+        let number = refusal(&[("pushes", Change::To(Value::Integer(3)))]);
+        assert!(number.starts_with("pushes: found 3; valid is a list of tables"), "{number}");
     }
 
     #[test]

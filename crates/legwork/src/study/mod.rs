@@ -248,12 +248,19 @@ impl Study {
         rollout::columns(model.dofs.iter().filter(|dof| dof.actuated).map(|dof| dof.name.as_str()))
     }
 
-    /// What identifies its results: the study and all that it names.
+    /// What identifies its results: the study and all that it names, and the figures that this version takes.
     pub fn identity(&self) -> u128 {
+        self.identity_with(&self.columns())
+    }
+
+    fn identity_with(&self, columns: &[Column]) -> u128 {
         let mut hasher = xxhash_rust::xxh3::Xxh3::new();
         hasher.update(self.text.as_bytes());
         for base in &self.bases {
             hasher.update(&base.variant().input_hash().to_le_bytes());
+        }
+        for Column { name, unit, .. } in columns {
+            hasher.update(format!("\n{name} [{unit}]").as_bytes());
         }
         hasher.digest128()
     }
@@ -333,4 +340,24 @@ fn check_levels(factor: &Factor, bases: &[Base]) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn other_figures_make_another_study() {
+        let study = Study::load("ground", &[]).expect("it is built in");
+        let columns = study.columns();
+        assert_eq!(study.identity(), study.identity_with(&columns));
+        let fewer = &columns[1..];
+        let mut in_another_unit = columns.clone();
+        in_another_unit[0].unit = "mm";
+        let mut reversed = columns.clone();
+        reversed.reverse();
+        for other in [fewer, &in_another_unit, &reversed] {
+            assert_ne!(study.identity_with(other), study.identity());
+        }
+    }
 }

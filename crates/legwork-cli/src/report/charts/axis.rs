@@ -77,10 +77,13 @@ impl Ruler {
         }
     }
 
-    /// An axis of texts, the n-th at the value n.
+    /// An axis of texts, the n-th at the value n. Where there is no room for a line each, every second, third, ... is left.
     pub(super) fn of_texts(title: &str, texts: &[String], range: [f64; 2]) -> Self {
-        let scale = Scale { domain: [-0.5, texts.len().max(1) as f64 - 0.5], range };
-        let ticks = texts.iter().enumerate().map(|(k, text)| Tick { at: scale.at(k as f64), label: text.clone() });
+        let count = texts.len().max(1) as f64;
+        let scale = Scale { domain: [-0.5, count - 0.5], range };
+        let stride = (LINE * count / (range[1] - range[0]).abs()).ceil().max(1.0) as usize;
+        let shown = texts.iter().enumerate().step_by(stride);
+        let ticks = shown.map(|(k, text)| Tick { at: scale.at(k as f64), label: text.clone() });
         Self { scale, log: false, ticks: ticks.collect(), title: title.to_owned() }
     }
 
@@ -335,6 +338,21 @@ mod tests {
         let ruler = Ruler::of(&quantity(false), &[0.0, 10.0], [0.0, 500.0], 50.0);
         let at = |label: &str| ruler.ticks.iter().find(|tick| tick.label == label).expect("a tick").at;
         assert!((ruler.at(5.0) - 0.5 * (at("4") + at("6"))).abs() < 1e-9);
+    }
+
+    #[test]
+    fn texts_stand_a_line_apart_however_many_there_are() {
+        for count in [1_usize, 7, 20, 21, 200, 5000] {
+            let texts: Vec<String> = (0..count).map(|k| k.to_string()).collect();
+            let ruler = Ruler::of_texts("seed", &texts, [40.0, 320.0]);
+            assert!(ruler.ticks.windows(2).all(|pair| pair[1].at - pair[0].at >= LINE - 1e-9), "{count}");
+            // At their own places, and as many as fit: 280 px are 20 lines.
+            assert!(ruler.ticks.iter().all(|tick| tick.at == ruler.at(tick.label.parse().expect("a number"))));
+            let stride = count.div_ceil(20);
+            assert_eq!(ruler.ticks.len(), count.div_ceil(stride), "{count}");
+            assert_eq!(labels(&ruler)[0], "0");
+        }
+        assert!(Ruler::of_texts("", &[], [0.0, 100.0]).ticks.is_empty());
     }
 
     #[test]

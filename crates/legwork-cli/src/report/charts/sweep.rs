@@ -122,8 +122,10 @@ impl Sweep {
     }
 
     fn layout(&self, width: f64) -> Layout {
-        let numbers =
-            self.panels.iter().flat_map(|panel| &panel.parts).map(|part| self.vertical(part, [100.0, 0.0]).widest());
+        let numbers = self.panels.iter().flat_map(|panel| {
+            let [top, bottom] = rows(panel, 0);
+            panel.parts.iter().map(move |part| self.vertical(part, [bottom, top]).widest())
+        });
         let fallen: Vec<usize> =
             (0..self.series.len()).filter(|&index| self.series[index].points.iter().any(|point| point.fell)).collect();
         let fell = if fallen.is_empty() { 0.0 } else { text_width("fell") };
@@ -155,12 +157,11 @@ impl Sweep {
         let columns = [left + layout.left, left + layout.width - 6.0];
         let x = self.horizontal(columns);
         let first = top + 20.0 + layout.band;
-        let share = HEIGHT / panel.parts.len().max(1) as f64;
         html! {
             text class="title" x=(Px(left + 2.0)) y=(Px(top + 12.0)) { (panel.title) }
             (self.crosses(layout, &x, top + 20.0))
             @for (index, part) in panel.parts.iter().enumerate() {
-                @let rows = [first + share * index as f64 + HEAD, first + share * (index + 1) as f64 - 4.0];
+                @let rows = rows(panel, index).map(|y| first + y);
                 (self.part(part, layout, &x, rows, index + 1 == panel.parts.len()))
             }
             @if last {
@@ -234,6 +235,12 @@ impl Sweep {
     }
 }
 
+/// Top and bottom of a panel's coordinate system, below the crosses [px].
+fn rows(panel: &Panel, index: usize) -> [f64; 2] {
+    let share = HEIGHT / panel.parts.len().max(1) as f64;
+    [share * index as f64 + HEAD, share * (index + 1) as f64 - 4.0]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -281,6 +288,20 @@ mod tests {
         let sweep = example(&[]);
         let axis = sweep.vertical(&sweep.panels[0].parts[0], [100.0, 0.0]);
         assert!(axis.domain()[1] < 5.0, "9 was the value of falls");
+    }
+
+    #[test]
+    fn there_is_room_for_the_numbers_that_are_drawn() {
+        // On a short axis the ticks are 0.9, 1.0, 1.1, on the one that is drawn 0.90, 0.95, ...
+        let mut sweep = example(&[]);
+        sweep.panels.truncate(1);
+        sweep.panels[0].parts.truncate(1);
+        sweep.panels[0].parts[0].values[0].fill(1.0);
+        let layout = sweep.layout(280.0);
+        let [top, bottom] = rows(&sweep.panels[0], 0);
+        let drawn = sweep.vertical(&sweep.panels[0].parts[0], [bottom, top]);
+        assert!(drawn.ticks.iter().any(|tick| tick.label == "0.95"), "{drawn:?}");
+        assert!(layout.left >= drawn.widest() + GAP);
     }
 
     #[test]

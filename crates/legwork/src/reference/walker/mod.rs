@@ -24,7 +24,7 @@ use adapt::{Choice, law};
 use feet::{Flat, Roll};
 use ground::Trail;
 use plan::{CopPlan, StepPlan};
-use swing::Motion;
+pub(crate) use swing::Motion;
 
 /// Slower than this is standing [m/s].
 const STANDING: f64 = 0.02;

@@ -3,10 +3,10 @@
 
 /// A scalar with two derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Motion {
-    pub(super) value: f64,
-    pub(super) rate: f64,
-    pub(super) acceleration: f64,
+pub(crate) struct Motion {
+    pub(crate) value: f64,
+    pub(crate) rate: f64,
+    pub(crate) acceleration: f64,
 }
 
 impl From<[f64; 3]> for Motion {
@@ -41,7 +41,7 @@ impl Motion {
 
     /// The targets that it can reach in `left` [s] without accelerating by more than `limit` [m/s²], as far as that is up
     /// to the target; none where it is not.
-    pub(super) fn reach(self, limit: f64, left: f64) -> [f64; 2] {
+    pub(crate) fn reach(self, limit: f64, left: f64) -> [f64; 2] {
         // The quintic's acceleration is linear in the way: α(s) way + β(s).
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let [rate, acceleration] = [self.rate * left, self.acceleration * left * left];

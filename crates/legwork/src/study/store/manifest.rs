@@ -42,10 +42,12 @@ impl Manifest {
             Some((mine, theirs)) => format!("it says {theirs:?}, not {mine:?}"),
             None if self.total != found.total => format!("it has {} records, not {}", found.total, self.total),
             None if self.text != found.text => "one of the two has more lines".to_owned(),
-            None => "the same settings, with another version of the program, model or data".to_owned(),
+            None => {
+                "the same settings, with another version of the program, model or data, or other figures".to_owned()
+            }
         };
         let problem = format!(
-            "holds another study ({:032x}) than {wanted} ({:032x}): {difference}; choose another folder",
+            "holds another study ({:032x}) than {wanted} ({:032x}): {difference}; choose another folder, or delete this one",
             found.hash, self.hash
         );
         Err(Error::invalid(folder.display().to_string(), problem))

@@ -19,21 +19,23 @@ pub struct Term {
     pub(super) place: String,
 }
 
-/// The most that a figure may be.
+/// What a figure may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
     /// This, in its unit.
     AtMost(f64),
     /// This times that of the scenario as it stands, case by case.
     AtMostTimesBase(f64),
+    /// At least this, in its unit.
+    AtLeast(f64),
 }
 
-/// A figure that must not be above a bound.
+/// A figure that must keep a bound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constraint {
     /// The figure.
     pub term: Term,
-    /// The most that it may be.
+    /// What it may be.
     pub bound: Bound,
 }
 
@@ -47,7 +49,7 @@ pub(super) fn read(
     let mut objective = Vec::with_capacity(file.objective.len());
     for (index, entry) in file.objective.iter().enumerate() {
         let wrong = |problem| source.error(entry.span().start, &format!("objective.{index}"), problem);
-        objective.push(term(entry.get_ref(), wrong, columns, training)?);
+        objective.extend(terms(entry.get_ref(), wrong, columns, training)?);
     }
     if objective.is_empty() {
         let problem = "no [[objective]]; give at least one metric to lower, such as com_error_m.mean";
@@ -56,7 +58,7 @@ pub(super) fn read(
     let mut constraints = Vec::with_capacity(file.constraints.len());
     for (index, entry) in file.constraints.iter().enumerate() {
         let wrong = |problem| source.error(entry.span().start, &format!("constraints.{index}"), problem);
-        constraints.push(constraint(entry.get_ref(), wrong, columns, training)?);
+        constraints.extend(constraint(entry.get_ref(), wrong, columns, training)?);
     }
     Ok((objective, constraints))
 }
@@ -66,31 +68,38 @@ fn constraint(
     wrong: impl Fn(String) -> Error,
     columns: &[Column],
     training: &[Case],
-) -> Result<Constraint, Error> {
-    let (key, bound) = match (entry.at_most, entry.at_most_times_base) {
-        (Some(most), None) => ("at_most", Bound::AtMost(most)),
-        (None, Some(times)) => ("at_most_times_base", Bound::AtMostTimesBase(times)),
-        _ => return Err(wrong("needs either at_most, in the metric's unit, or at_most_times_base".into())),
+) -> Result<Vec<Constraint>, Error> {
+    let (key, bound) = match (entry.at_most, entry.at_most_times_base, entry.at_least) {
+        (Some(most), None, None) => ("at_most", Bound::AtMost(most)),
+        (None, Some(times), None) => ("at_most_times_base", Bound::AtMostTimesBase(times)),
+        (None, None, Some(least)) => ("at_least", Bound::AtLeast(least)),
+        _ => {
+            let problem = "needs one of at_most (in the metric's unit), at_most_times_base, at_least";
+            return Err(wrong(problem.into()));
+        }
     };
-    let (Bound::AtMost(number) | Bound::AtMostTimesBase(number)) = bound;
+    let (Bound::AtMost(number) | Bound::AtMostTimesBase(number) | Bound::AtLeast(number)) = bound;
     check_positive(key, number).map_err(|error| wrong(error.to_string()))?;
     let ConstraintEntry { metric, cases, scenarios, .. } = entry;
     let entry = TermEntry { metric: metric.clone(), weight: None, cases: cases.clone(), scenarios: scenarios.clone() };
-    Ok(Constraint { term: term(&entry, wrong, columns, training)?, bound })
+    let terms = terms(&entry, wrong, columns, training)?;
+    Ok(terms.into_iter().map(|term| Constraint { term, bound }).collect())
 }
 
-fn term(
+/// The term, or where its metric has a `*` one of each figure that is meant; these share the weight.
+fn terms(
     entry: &TermEntry,
     wrong: impl Fn(String) -> Error,
     columns: &[Column],
     training: &[Case],
-) -> Result<Term, Error> {
+) -> Result<Vec<Term>, Error> {
     let metric = &entry.metric;
-    let Some(column) = columns.iter().position(|column| column.name == *metric) else {
+    let meant: Vec<usize> = (0..columns.len()).filter(|&column| matches(metric, &columns[column].name)).collect();
+    if meant.is_empty() {
         let names: Vec<_> = columns.iter().map(|column| column.name.as_str()).collect();
         let problem = format!("metric: found \"{}\"; valid are {}", metric.escape_debug(), names.join(", "));
         return Err(wrong(problem));
-    };
+    }
     let weight = entry.weight.unwrap_or(1.0);
     check_positive("weight", weight).map_err(|error| wrong(error.to_string()))?;
     let cases = match (&entry.cases, &entry.scenarios) {
@@ -100,7 +109,16 @@ fn term(
         (Some(_), Some(_)) => return Err(wrong("give cases or scenarios, or neither for all cases".into())),
     };
     let Error::Invalid { place, .. } = wrong(String::new()) else { unreachable!("it is an error of content") };
-    Ok(Term { column, weight, cases, place })
+    let weight = weight / meant.len() as f64;
+    Ok(meant.into_iter().map(|column| Term { column, weight, cases: cases.clone(), place: place.clone() }).collect())
+}
+
+/// Whether `pattern`, in which a `*` stands for any text, means the figure `name`.
+fn matches(pattern: &str, name: &str) -> bool {
+    match pattern.split_once('*') {
+        Some((begin, end)) => name.len() >= begin.len() + end.len() && name.starts_with(begin) && name.ends_with(end),
+        None => pattern == name,
+    }
 }
 
 /// The cases that are called by one of the `names`.

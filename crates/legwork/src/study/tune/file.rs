@@ -67,6 +67,7 @@ pub(super) struct ConstraintEntry {
     pub(super) metric: String,
     pub(super) at_most: Option<f64>,
     pub(super) at_most_times_base: Option<f64>,
+    pub(super) at_least: Option<f64>,
     pub(super) cases: Option<Vec<String>>,
     pub(super) scenarios: Option<Vec<String>>,
 }

@@ -233,7 +233,10 @@ impl Tuning {
             let head = if table.is_empty() { String::new() } else { format!("\n[{table}]\n") };
             file += &head;
             for (key, value) in values {
-                let _ = writeln!(file, "{key} = {}", Value::Float(value));
+                // 2.2e-8 instead of a row of zeros
+                let small = value != 0.0 && value.abs() < 1e-4;
+                let number = if small { format!("{value:e}") } else { Value::Float(value).to_string() };
+                let _ = writeln!(file, "{key} = {number}");
             }
         }
         file

@@ -23,7 +23,7 @@ const TOLERANCE: f64 = 1e-6;
 pub enum Score {
     /// It stands in all cases and keeps all bounds: the objective, 1 as that of the base.
     Feasible(f64),
-    /// It stands in all cases: by which shares it is above its bounds, in sum. A figure that the run does not have, as
+    /// It stands in all cases: by which shares it is beyond its bounds, in sum. A figure that the run does not have, as
     /// the recovery time of one that did not recover, counts as one at twice its bound.
     Violating(f64),
     /// It falls: of each case that it falls in, 1 and the share of the time that was still to go; 2 where it cannot be
@@ -66,7 +66,10 @@ pub(super) struct Judge {
     /// With weight / figure of the base
     parts: Vec<Part>,
     total_weight: f64,
-    bounds: Vec<Part>,
+    /// The most that figures may be.
+    highest: Vec<Part>,
+    /// The least.
+    lowest: Vec<Part>,
 }
 
 impl Judge {
@@ -85,7 +88,8 @@ impl Judge {
             durations: cases.iter().map(|case| case.variant().scenario.duration_s).collect(),
             parts: Vec::new(),
             total_weight: 0.0,
-            bounds: Vec::new(),
+            highest: Vec::new(),
+            lowest: Vec::new(),
         };
         for term in objective {
             for (&case, figure) in term.cases.iter().zip(term.of_base(cases, columns, base)?) {
@@ -96,13 +100,14 @@ impl Judge {
         }
         for Constraint { term, bound } in constraints {
             let figures = match bound {
-                Bound::AtMost(most) => vec![*most; term.cases.len()],
+                Bound::AtMost(number) | Bound::AtLeast(number) => vec![*number; term.cases.len()],
                 Bound::AtMostTimesBase(times) => {
                     term.of_base(cases, columns, base)?.iter().map(|figure| times * figure).collect()
                 }
             };
             let of = |(&case, number)| Part { case, column: term.column, number };
-            judge.bounds.extend(term.cases.iter().zip(figures).map(of));
+            let bounds = if matches!(bound, Bound::AtLeast(_)) { &mut judge.lowest } else { &mut judge.highest };
+            bounds.extend(term.cases.iter().zip(figures).map(of));
         }
         Ok(judge)
     }
@@ -114,12 +119,14 @@ impl Judge {
             return Score::Falling(falls);
         }
         let figure = |part: &Part| rollouts[part.case].figures.get(part.column).copied().flatten();
-        let excess = |bound: &Part| {
-            let excess = figure(bound).map_or(1.0, |figure| figure / bound.number - 1.0);
+        let beyond = |bound: &Part, side: f64| {
+            let excess = figure(bound).map_or(1.0, |figure| side * (figure / bound.number - 1.0));
             if excess > TOLERANCE { excess } else { 0.0 }
         };
         let missing = self.parts.iter().filter(|part| figure(part).is_none()).count();
-        let excess = missing as f64 + self.bounds.iter().map(excess).sum::<f64>();
+        let above: f64 = self.highest.iter().map(|bound| beyond(bound, 1.0)).sum();
+        let below: f64 = self.lowest.iter().map(|bound| beyond(bound, -1.0)).sum();
+        let excess = missing as f64 + above + below;
         if excess > 0.0 {
             return Score::Violating(excess);
         }
@@ -243,6 +250,35 @@ mod tests {
         assert!((found - (0.1 + 1.0 / 3.0)).abs() < 1e-12);
         let lost = rollout(&tuning, [Some(0.01), None, Some(60.0), Some(30e3)]);
         assert_eq!(judge.score(&[walk, lost]), Score::Violating(1.0), "one that does not recover");
+    }
+
+    #[test]
+    fn a_lower_bound_is_kept_from_above() {
+        let text = TEXT.replace("at_most_times_base = 1.1", "at_least = 20e3");
+        let tuning = Tuning::parse(&text, "t.toml", None).unwrap();
+        let walk = |u2| rollout(&tuning, [Some(0.01), None, Some(70.0), u2]);
+        let push = rollout(&tuning, [Some(0.5), Some(4.0), Some(60.0), Some(40e3)]);
+        let judge = judge(&tuning, &[walk(Some(30e3)), push.clone()]).unwrap();
+        let score = |u2| judge.score(&[walk(u2), push.clone()]);
+        assert_eq!((score(Some(20e3)), score(Some(90e3))), (Score::Feasible(1.0), Score::Feasible(1.0)));
+        assert_eq!((score(Some(15e3)), score(None)), (Score::Violating(0.25), Score::Violating(1.0)));
+    }
+
+    #[test]
+    fn a_star_stands_for_any_text_and_its_figures_share_the_weight() {
+        let text = TEXT.replace("\"com_error_m.mean\", weight = 2", "\"joint.*_knee.torque_peak_nm\", weight = 2");
+        let tuning = Tuning::parse(&text.replace("\"torque_nm.mean\"", "\"*.peak\""), "t.toml", None).unwrap();
+        let names = |columns: Vec<usize>| columns.iter().map(|&c| tuning.columns[c].name.as_str()).collect::<Vec<_>>();
+        let objective: Vec<_> = tuning.objective.iter().map(|term| (term.column, term.weight)).collect();
+        let knees = ["joint.right_knee.torque_peak_nm", "joint.left_knee.torque_peak_nm", "recovery_time_s"];
+        assert_eq!(names(objective.iter().map(|term| term.0).collect()), knees);
+        assert_eq!(objective.iter().map(|term| term.1).collect::<Vec<_>>(), [1.0, 1.0, 1.0]);
+        let bounded = names(tuning.constraints.iter().map(|constraint| constraint.term.column).collect());
+        let peaks = tuning.columns.iter().filter(|column| column.name.ends_with(".peak")).count();
+        assert!(bounded.len() == peaks + 1 && bounded.contains(&"torque_nm.peak"), "{bounded:?}");
+        let unknown = TEXT.replace("\"com_error_m.mean\"", "\"joint.*_elbow.torque_peak_nm\"");
+        let error = Tuning::parse(&unknown, "t.toml", None).unwrap_err().to_string();
+        assert!(error.contains("found \"joint.*_elbow.torque_peak_nm\"; valid are com_error_m.mean, "), "{error}");
     }
 
     #[test]

@@ -1,0 +1,147 @@
+//! The page of a study: what was asked, how the rollouts ended, and the figures that its design calls for.
+
+mod along;
+mod indices;
+
+use std::collections::BTreeSet;
+
+use legwork::diagnosis::FirstCause;
+use legwork::error::Error;
+use legwork::study::Factor;
+use legwork::study::design::Design;
+use legwork::study::results::Results;
+use maud::{Markup, html};
+
+use super::charts::axis::Quantity;
+use super::document::{Chapter, Figures, Page, Section, page as document};
+use along::{is_map, maps, parts, sweeps};
+use indices::{morris, sobol};
+
+/// The page of `results`.
+///
+/// # Errors
+/// The indices cannot be computed from them.
+pub(crate) fn page(results: &Results) -> Result<Page, Error> {
+    let study = results.study;
+    let mut figures = Figures::default();
+    let mut chapters = vec![Chapter {
+        title: "How the rollouts ended".into(),
+        lead: html! {},
+        sections: vec![
+            Section { title: "Survival".into(), body: survival(results) },
+            Section { title: "Causes of the falls".into(), body: causes(results) },
+        ],
+    }];
+    match study.design {
+        Design::OneAtATime => chapters.push(Chapter {
+            title: "One factor at a time".into(),
+            lead: html! { p { "Each factor alone is varied; all else is as in the scenario. " (FALL_NOTE) } },
+            sections: sweeps(results, &mut figures),
+        }),
+        Design::Saltelli { .. } => {
+            for base in 0..study.bases.len() {
+                chapters.push(sobol(results, base, &mut figures)?);
+            }
+        }
+        Design::Morris { .. } => {
+            for base in 0..study.bases.len() {
+                chapters.push(morris(results, base, &mut figures)?);
+            }
+        }
+        Design::Grid if is_map(results) => chapters.push(Chapter {
+            title: "Two factors together".into(),
+            lead: html! { p { "Each combination of levels is one rollout." } },
+            sections: maps(results, &mut figures),
+        }),
+        Design::Grid | Design::LatinHypercube { .. } | Design::SobolSequence { .. } => chapters.push(Chapter {
+            title: "Along each factor".into(),
+            lead: html! {
+                p { "All factors vary at once. Along each one the rollouts are taken together in equal parts of its "
+                    "range: the share of them that did not fall, and the median of each figure over those." }
+            },
+            sections: parts(results, &mut figures),
+        }),
+    }
+    chapters.push(Chapter { title: "Repeat this study".into(), lead: repeat(results), sections: Vec::new() });
+    let lead = html! {
+        @if !study.description.is_empty() { p.description { (study.description) } }
+        p.facts {
+            span { b { (study.len()) } " rollouts" } " "
+            span { "scenarios " b { (study.bases.iter().map(|base| base.name()).collect::<Vec<_>>().join(", ")) } } " "
+            span { "factors " b { (study.factors.iter().map(|factor| factor.name.as_str()).collect::<Vec<_>>().join(", ")) } }
+        }
+    };
+    Ok(document(&format!("Study: {}", study.name), &lead, &chapters, figures))
+}
+
+const FALL_NOTE: &str = "A cross marks a fall; the figures of a run that fell are not drawn.";
+
+fn survival(results: &Results) -> Markup {
+    html! {
+        div.scroll { table {
+            thead { tr { th.left { "scenario" } th { "rollouts" } th { "stood" } th { "fell" } th { "could not be run" } th { "defects" } th { "share that stood" } } }
+            tbody {
+                @for (number, base) in results.study.bases.iter().enumerate() {
+                    @let e = results.endings(number);
+                    tr {
+                        th scope="row" { (base.name()) }
+                        td { (e.rollouts) } td { (e.completed) } td { (e.fell) } td { (e.invalid) } td { (e.failed) }
+                        td { (format!("{:.1} %", 100.0 * e.completed as f64 / e.rollouts.max(1) as f64)) }
+                    }
+                }
+            }
+        } }
+    }
+}
+
+fn causes(results: &Results) -> Markup {
+    let all: Vec<_> = (0..results.study.bases.len()).map(|base| results.endings(base)).collect();
+    let names: BTreeSet<&String> = all.iter().flat_map(|endings| endings.causes.keys()).collect();
+    if names.is_empty() {
+        return html! { p { "Nobody fell." } };
+    }
+    html! {
+        p { "The first cause of each fall, by the rules of the diagnosis; the sentences are in the table of rollouts." }
+        div.scroll { table {
+            thead { tr { th.left { "first cause" } @for base in &results.study.bases { th { (base.name()) } } } }
+            tbody {
+                @for name in names {
+                    tr {
+                        th scope="row" { (cause_title(name)) }
+                        @for endings in &all { td { (endings.causes.get(name).map_or("\u{2013}".to_owned(), usize::to_string)) } }
+                    }
+                }
+            }
+        } }
+    }
+}
+
+/// A first cause in words.
+fn cause_title(label: &str) -> &str {
+    FirstCause::LABELS.iter().find(|(known, _)| *known == label).map_or(label, |(_, title)| title)
+}
+
+fn quantity(name: impl Into<String>, unit: &str) -> Quantity {
+    Quantity { name: name.into(), unit: unit.into(), log: false }
+}
+
+/// The axis of a factor.
+fn axis(factor: &Factor) -> Quantity {
+    let unit = if factor.relative { "times the base" } else { factor.unit() };
+    Quantity { name: factor.title(), unit: unit.into(), log: factor.levels.is_logarithmic() }
+}
+
+fn repeat(results: &Results) -> Markup {
+    let study = results.study;
+    html! {
+        p { "The whole study is the file " code { "study.toml" } " beside this page; " code { "rollouts.csv" } " and "
+            code { "rollouts.parquet" } " hold a row for each rollout with all its figures, " code { "results.json" }
+            " what this page shows." }
+        pre tabindex="0" { code { "legwork study study.toml --out again" } }
+        p.note { "Identity of the study and all that it names: " code { (format!("{:032x}", study.identity())) } "." }
+        details {
+            summary { "The study" }
+            pre tabindex="0" { code { (study.to_toml()) } }
+        }
+    }
+}

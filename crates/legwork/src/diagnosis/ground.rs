@@ -1,0 +1,76 @@
+//! What the log says of the feet on the ground: how far they slid, and how the ground differs from what the controller believes.
+
+use std::ops::Range;
+
+use super::evidence::Evidence;
+use crate::log::Field;
+
+/// A foot carries load from this share of the robot's weight on; less than that drags without effect.
+const LOADED: f64 = 0.1;
+
+impl Evidence<'_> {
+    /// How far a standing foot slid under load in `ticks` [m], where the ground holds less than the controller believes;
+    /// one that swings drags at most.
+    pub(super) fn slide(&self, ticks: Range<usize>, foot: usize) -> f64 {
+        let loaded = |i: usize| {
+            let stands = self.log.get(i, Field::Swing)[0] != foot as f64;
+            let load: f64 = self.points_of(foot).map(|point| self.load(i, point)).sum();
+            let [friction, believed] = self.friction_below(i, foot);
+            stands && load > LOADED * self.weight() && believed > friction
+        };
+        let ticks = ticks.start..ticks.end.min(self.log.len().saturating_sub(1));
+        let cos = libm::cos(self.ground.base().slope);
+        let moved = |i: usize| {
+            let point = self.bearing(i, foot);
+            (self.point(i + 1, point)[0] - self.point(i, point)[0]).abs() / cos
+        };
+        ticks.filter(|&i| loaded(i)).map(moved).sum()
+    }
+
+    /// The contact points of a foot.
+    fn points_of(&self, foot: usize) -> impl Iterator<Item = usize> {
+        (0..self.model.contacts.len()).filter(move |&point| self.model.contacts[point].foot == foot)
+    }
+
+    /// A contact point [m].
+    fn point(&self, i: usize, point: usize) -> &[f64] {
+        &self.log.get(i, Field::Feet)[point * self.axes..][..self.axes]
+    }
+
+    /// What a contact point carries [N].
+    fn load(&self, i: usize, point: usize) -> f64 {
+        self.log.get(i, Field::GrfSimulated)[point * self.axes + self.axes - 1]
+    }
+
+    /// The contact point of a foot that carries most: where a foot rolls, the others move without sliding.
+    fn bearing(&self, i: usize, foot: usize) -> usize {
+        let most = self.points_of(foot).max_by(|&a, &b| self.load(i, a).total_cmp(&self.load(i, b)));
+        most.expect("a foot has a contact point")
+    }
+
+    /// The friction below a foot in tick `i`, and the one that the controller counts on there.
+    pub(super) fn friction_below(&self, i: usize, foot: usize) -> [f64; 2] {
+        let x = self.point(i, self.bearing(i, foot))[0];
+        [&self.ground, &self.believed].map(|ground| ground.friction_at(x))
+    }
+
+    /// How much lower the ground below a foot is in tick `i` than the controller believes [m].
+    pub(super) fn lower(&self, i: usize, foot: usize) -> f64 {
+        let x = self.foot_x(i, foot);
+        self.believed.height_at(x) - self.ground.height_at(x)
+    }
+
+    /// How much lower the ground below a foot is in tick `i` than the slope has it that the controller believes in, from the other
+    /// foot on [m]: where it does not know the ground, it knows where its feet stand.
+    pub(super) fn lower_than_the_other(&self, i: usize, foot: usize) -> f64 {
+        let height = |foot: usize| {
+            let lowest = |a: &usize, b: &usize| {
+                let [a, b] = [*a, *b].map(|point| self.point(i, point)[self.axes - 1]);
+                a.total_cmp(&b)
+            };
+            let x = self.point(i, self.points_of(foot).min_by(lowest).expect("a foot has a contact point"))[0];
+            self.ground.height_at(x) - self.believed.base().height_at(x)
+        };
+        height(1 - foot) - height(foot)
+    }
+}

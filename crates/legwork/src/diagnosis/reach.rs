@@ -1,0 +1,177 @@
+//! What the steps of a reference generator can do, and what of the XcoM they catch.
+//!
+//! Two generators step, and each has a bound beyond which no number of steps catches the XcoM (the capturability of Koolen et
+//! al. 2012): the step machine by its longest step and its duration, here; the walker, which chooses place and time of each
+//! step, by how far foot and leg reach, in `landing.rs`.
+
+use legwork_rbd::Model;
+
+use super::What;
+use super::evidence::{Evidence, Stretch};
+use super::landing::{Landing, WalkerSteps};
+use crate::log::Field;
+use crate::reference::{swing, xcom};
+use crate::scenario::{Generator, Scenario, StepSettings};
+
+/// The longest step that legs make, in heights of the CoM at the start: legs are about 1.05 of them long, and hips let
+/// down to 0.78 of them reach 0.7 behind and 0.7 ahead.
+const LONGEST_STEP: f64 = 1.4;
+/// A foot of the step machine is late when its step has lasted this many times its duration: healthy ones last up to 1.3.
+const LATE: f64 = 1.5;
+/// A foot whose reference is slower than this along x is above its place [m/s].
+const ARRIVED: f64 = 1e-3;
+
+/// What makes the steps.
+#[derive(Debug)]
+pub(super) enum Steps<'a> {
+    /// The step machine.
+    Machine(&'a StepSettings),
+    /// The walker.
+    Walker(Box<WalkerSteps>),
+    /// Nothing: the robot stands, or lifts a foot as planned.
+    None,
+}
+
+impl<'a> Steps<'a> {
+    pub(super) fn of(scenario: &'a Scenario, model: &Model) -> Self {
+        match scenario.reference.generator {
+            Generator::Steps => Self::Machine(&scenario.reference.step),
+            Generator::Walker => Self::Walker(Box::new(WalkerSteps::of(scenario, model))),
+            Generator::Stance => Self::None,
+        }
+    }
+}
+
+/// The step that the XcoM asks for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    past: f64,
+    edge: &'static str,
+    longest: f64,
+    /// By how much the longest step falls short of the XcoM [m].
+    pub(super) short: f64,
+    /// Whether legs make no step that long.
+    pub(super) beyond_legs: bool,
+}
+
+impl Wanted {
+    /// The longest step does not reach it; after pushes of an impulse [Ns], where they are the first cause.
+    pub(super) fn missed(self, pushed: Option<f64>) -> What {
+        let Self { past, edge, longest, short, .. } = self;
+        What::OutOfReach { past, edge, longest, short, pushed }
+    }
+}
+
+impl Evidence<'_> {
+    /// How far the XcoM is beyond what any number of steps can catch [m]; negative where it is in reach, or where nothing
+    /// steps.
+    pub(super) fn out_of_reach(&self, i: usize) -> f64 {
+        match &self.steps {
+            Steps::Machine(step) => self.out_of_machine(step, i),
+            Steps::Walker(walker) => match walker.moment(self, i) {
+                Some(moment) if moment.past > 0.0 => walker.best(&moment).beyond,
+                _ => f64::NEG_INFINITY,
+            },
+            Steps::None => f64::NEG_INFINITY,
+        }
+    }
+
+    /// The step that would catch the XcoM where the next one begins after tick `i`, if anything steps.
+    pub(super) fn wanted(&self, i: usize) -> Option<Wanted> {
+        match &self.steps {
+            Steps::Machine(step) => {
+                let legs = LONGEST_STEP * self.scenario.start.com_height_m;
+                let (past, apart) = self.past_front(step, i);
+                let wanted = xcom::predicted_xcom(past, 0.0, self.omega(i), step.duration_s) + apart; // Thesis (2.5)
+                let longest = step.max_length_m;
+                let (short, beyond_legs) = (wanted - longest, wanted > legs);
+                Some(Wanted { past, edge: "front foot", longest, short, beyond_legs })
+            }
+            Steps::Walker(walker) => {
+                let moment = walker.moment(self, i)?;
+                let Landing { length: longest, short, .. } = walker.best(&moment);
+                let edge = if moment.way > 0.0 { "toes" } else { "heels" };
+                let beyond_legs = longest + short > moment.upright_step;
+                // Reckoned, not set: to the centimetre.
+                let longest = 0.01 * (100.0 * longest).round();
+                Some(Wanted { past: moment.past, edge, longest, short, beyond_legs })
+            }
+            Steps::None => None,
+        }
+    }
+
+    /// The tick at which an XcoM is told of that is out of reach since tick `out`, `over` [s] being when the pushes until then
+    /// are: where the step machine's next step begins, or where the walker, which changes a step under way, has been pushed.
+    pub(super) fn told_at(&self, out: usize, over: f64) -> usize {
+        let last = self.log.len() - 1;
+        let after = (out..last).find(|&i| self.time(i) >= over).unwrap_or(last);
+        if !matches!(self.steps, Steps::Machine(_)) {
+            return after;
+        }
+        let next = self.stretches.iter().find(|stretch| {
+            stretch.foot.is_some() && stretch.ticks.start >= out && self.time(stretch.ticks.start) >= over
+        });
+        next.map_or(after, |stretch| stretch.ticks.start.max(1) - 1)
+    }
+
+    /// XcoM and feet as the step under way leaves them, or as they are in double support: how far the XcoM is past
+    /// the front foot, and how far the feet are apart [m].
+    pub(super) fn past_front(&self, step: &StepSettings, i: usize) -> (f64, f64) {
+        let (mut xcom, mut feet) = (self.log.get(i, Field::Xcom)[0], [self.foot_x(i, 0), self.foot_x(i, 1)]);
+        let stretch = self.stretch(i);
+        if let Some(foot) = stretch.foot {
+            let left = (step.duration_s - (self.time(i) - self.time(stretch.ticks.start))).max(0.0);
+            xcom = xcom::predicted_xcom(xcom, feet[1 - foot], self.omega(i), left); // Thesis (2.5)
+            feet[foot] = self.planned(step, stretch, foot);
+        }
+        let middle = 0.5 * (feet[0] + feet[1]);
+        let apart = (feet[0] - feet[1]).abs();
+        ((xcom - middle).abs() - 0.5 * apart, apart)
+    }
+
+    /// With the XcoM b past the front foot and the feet s apart, the rear foot steps L in the time T and the
+    /// pendulum's point foot stands still: b' = b e^(ωT) − (L − s), s' = L − s. Two such steps keep b where
+    /// b (e^(2ωT) − 1) = (L − s) e^(ωT) + s. Koolen et al. 2012, "Capturability-based analysis", for this step machine.
+    fn out_of_machine(&self, step: &StepSettings, i: usize) -> f64 {
+        let (past, apart) = self.past_front(step, i);
+        let growth = libm::exp(self.omega(i) * step.duration_s);
+        past - ((step.max_length_m - apart) * growth + apart) / (growth * growth - 1.0)
+    }
+
+    /// Where the step machine's foot that swings in `stretch` should come down along x [m], by the latest plan.
+    fn planned(&self, step: &StepSettings, stretch: &Stretch, foot: usize) -> f64 {
+        let (first, last) = (stretch.ticks.start, stretch.ticks.end - 1);
+        let duration = step.duration_s;
+        let elapsed = (self.time(last) - self.time(first)).min(duration);
+        let done = swing::forward(elapsed, duration, 1.0).value;
+        let from = self.foot_goal(first, foot)[0];
+        if done > 0.0 { from + (self.foot_goal(last, foot)[0] - from) / done } else { from }
+    }
+
+    /// The tick from which on a walker's foot that swings in `stretch` is above its place; none where it never came that far.
+    fn due(&self, stretch: &Stretch, foot: usize) -> Option<usize> {
+        let above = |&i: &usize| self.foot_goal(i, foot)[self.axes].abs() < ARRIVED;
+        stretch.ticks.clone().rev().take_while(above).last()
+    }
+
+    /// The tick from which on the step machine's foot that swings in `stretch` is late; other generators have no time for it.
+    pub(super) fn late(&self, stretch: &Stretch) -> Option<usize> {
+        let Steps::Machine(step) = &self.steps else { return None };
+        Some(stretch.ticks.start + self.ticks_in(LATE * step.duration_s))
+    }
+
+    /// How far short of its planned place the foot came down at the end of `stretch` [m], negative beyond it; none where
+    /// it did not come down, or before it was to be there.
+    pub(super) fn short(&self, stretch: &Stretch, foot: usize) -> Option<f64> {
+        let landed = stretch.ticks.end;
+        if landed >= self.log.len() {
+            return None;
+        }
+        let place = match &self.steps {
+            Steps::Machine(step) => self.planned(step, stretch, foot),
+            _ => self.foot_goal(self.due(stretch, foot)?, foot)[0],
+        };
+        let way = place - self.foot_goal(stretch.ticks.start, foot)[0];
+        Some((place - self.foot_x(landed, foot)) * way.signum())
+    }
+}
