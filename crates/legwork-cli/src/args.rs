@@ -290,7 +290,7 @@ pub(crate) struct CompareArgs {
     #[arg(value_name = "B", default_value = "feet-walk")]
     pub(crate) second: String,
     /// The speeds in m/s, separated by commas; pushes strike at the first that both walk at
-    #[arg(long, value_name = "SPEEDS", value_delimiter = ',', default_values_t = [0.5, 1.0], allow_hyphen_values = true, value_parser = speed)]
+    #[arg(long, value_name = "SPEEDS", value_delimiter = ',', default_value = "0.5,1", allow_hyphen_values = true, value_parser = speed)]
     pub(crate) speeds: Vec<f64>,
     /// Change a setting of both
     #[arg(long = "set", value_name = "PATH=VALUE")]
@@ -344,7 +344,7 @@ pub(crate) struct ReproduceArgs {
 /// Options of `tune`.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct TuneArgs {
-    /// A built-in tuning (thesis) or a TOML file
+    /// A built-in tuning (thesis, feet) or a TOML file
     #[arg(value_name = "TUNING")]
     pub(crate) tuning: String,
     /// Folder for scenarios, tables and results, instead of legwork-tuning-TUNING

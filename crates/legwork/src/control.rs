@@ -17,6 +17,9 @@ use crate::scenario::{ControllerSettings, Generator, Scenario, Tracking};
 use crate::terrain::Terrain;
 use crate::wearer;
 
+/// Soles are level and alike to this [m].
+const LEVEL_M: f64 = 1e-3;
+
 /// What the controller is told of the robot.
 #[derive(Clone, Debug)]
 pub struct Estimate {
@@ -130,6 +133,7 @@ impl Controller {
     /// The model is not one that this controller can drive, or the CoM trajectory is not valid.
     pub fn new(scenario: &Scenario, model: &Model, samples: &[[f64; 3]], start: &Estimate) -> Result<Self, Error> {
         check_model(model, scenario.reference.generator)?;
+        check_reach(scenario, model)?;
         let settings = wearer::controller(scenario, model);
         let terrain = Terrain::believed(scenario, model);
         let mut dynamics = Dynamics::new(model);
@@ -370,6 +374,47 @@ fn has_ankles(model: &Model) -> bool {
     sole.heel < 0.0 && sole.toe > 0.0 && sole.ankle > 0.0
 }
 
+/// What is wrong with the soles on which the walker is to stand: each is level, below its ankle, and the other's like.
+fn uneven_soles(model: &Model) -> Option<String> {
+    let sole = Sole::of(model);
+    for contact in &model.contacts {
+        let [x, z] = [contact.position.x, contact.position.z];
+        if z >= 0.0 || (z + sole.ankle).abs() > LEVEL_M {
+            return Some(format!(
+                "contact point '{}' is at z = {z} m from its ankle; the walker's soles are level, here at z = {} m, below the ankle",
+                contact.name, -sole.ankle
+            ));
+        }
+        if x < sole.heel - LEVEL_M || x > sole.toe + LEVEL_M {
+            return Some(format!(
+                "contact point '{}' is at x = {x} m from its ankle; both of the walker's soles go from {} to {} m, as that of the first foot",
+                contact.name, sole.heel, sole.toe
+            ));
+        }
+    }
+    None
+}
+
+/// The walker's legs reach the ground from wherever its schedule has the centre of mass.
+fn check_reach(scenario: &Scenario, model: &Model) -> Result<(), Error> {
+    if scenario.reference.generator != Generator::Walker {
+        return Ok(());
+    }
+    let walker = scenario.reference.walker.for_stature(scenario.wearer.stature());
+    let ankle = Sole::of(model).ankle;
+    for (row, &[speed, _, height, ..]) in walker.schedule.iter().enumerate() {
+        if walker.farthest_ahead(speed, ankle, walker.longest_drop_m) == 0.0 {
+            let problem = format!(
+                "row {row}: with the centre of mass {height} m high no leg of leg_m = {} m reaches the ground; valid is a lower \
+                 one or a longer leg",
+                walker.leg_m
+            );
+            return Err(Error::invalid("reference.walker.schedule", problem));
+        }
+    }
+    Ok(())
+}
+
 /// Two feet, right before left; the thesis's steps want a planar robot with point feet.
 pub(crate) fn check_model(model: &Model, generator: Generator) -> Result<(), Error> {
     let points = |foot: usize| model.contacts.iter().filter(|contact| contact.foot == foot).count();
@@ -393,7 +438,9 @@ pub(crate) fn check_model(model: &Model, generator: Generator) -> Result<(), Err
         ),
     };
     if valid {
-        return Ok(());
+        let problem = (generator == Generator::Walker).then(|| uneven_soles(model)).flatten();
+        return problem
+            .map_or(Ok(()), |problem| Err(Error::invalid("model", format!("the model '{}': {problem}", model.name))));
     }
     let found = format!(
         "the model '{}' has base {} and {} contact points on {} feet",

@@ -103,7 +103,7 @@ const KNOWN_FEET: [Known; 16] = [
         &["ground.profile=[[2,0],[2.02,-0.1]]", "ground.relief_known=true"]),
     ("feet-walk", &["ground.profile=[[1.8,0],[1.82,0.08]]"], "missed-ground", "left_foot",
         &["ground.profile=[[1.8,0],[1.82,0.08]]", "ground.relief_known=true"]),
-    ("feet-walk", &["ground.slope_deg=-10", "ground.known=false"], "missed-ground", "left_foot",
+    ("feet-walk", &["ground.slope_deg=-10", "ground.known=false"], "missed-ground", "right_foot",
         &["ground.slope_deg=-10", "ground.known=false", "controller.assumed_slope_deg=-10"]),
     ("stand-push", &["pushes.0.force_n=800"], "outweighed", "", &["pushes.0.force_n=800", "controller.weights.torso=0.3"]),
     ("feet-walk", &["controller.weights.feet=10"], "outweighed", "", &[]),

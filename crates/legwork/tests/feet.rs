@@ -205,7 +205,7 @@ fn a_torque_changes_no_faster_than_its_rate() {
 #[test]
 fn what_no_leg_and_no_ground_could_bear_is_refused() {
     for (set, expected) in [
-        ("reference.walker.speed_mps=2.4", "m; the legs reach 1.1 m"),
+        ("reference.walker.speed_mps=2.4", "m; the longest are 1.1 m"),
         ("reference.walker.speeds=[[0,0],[1,0.5],[1,0.6]]", "row 2: valid are times that increase"),
         ("reference.walker.schedule=[]", "found no row"),
         (
@@ -224,6 +224,21 @@ fn what_no_leg_and_no_ground_could_bear_is_refused() {
     let loaded = scenario_file::load("feet-walk", &[]).expect("built in");
     let error = episode::run(&loaded.scenario, &model, &[], |_| false).expect_err("the sole is above the ankle");
     assert!(error.to_string().contains("both below it"), "{error}");
+    // One point alone, and a sole that is not level or longer than the other.
+    for (name, [x, z]) in [("right_heel", [-0.065, 0.02]), ("left_toe", [0.185, -0.09]), ("left_toe", [0.2, -0.06825])]
+    {
+        let mut model = library::load_model("planar_humanoid_feet", None).expect("built in");
+        let contact = model.contacts.iter_mut().find(|contact| contact.name == name).expect("it has it");
+        (contact.position.x, contact.position.z) = (x, z);
+        let error = episode::run(&loaded.scenario, &model, &[], |_| false).expect_err(name).to_string();
+        assert!(error.contains("contact point") && error.contains("from its ankle"), "{name}: {error}");
+    }
+    for set in ["reference.walker.leg_m=0.3", "reference.walker.schedule=[[0,0.6,3,0,0.1,0.1]]"] {
+        let loaded = scenario_file::load("feet-walk", &[set.to_owned()]).expect("each value is valid");
+        let model = library::load_model("planar_humanoid_feet", None).expect("built in");
+        let error = episode::run(&loaded.scenario, &model, &[], |_| false).expect_err(set).to_string();
+        assert!(error.contains("no leg of leg_m"), "{set}: {error}");
+    }
 }
 
 #[test]

@@ -11,7 +11,7 @@ use super::reach::Steps;
 use super::{Event, What};
 
 // What is out of order. The built-in scenarios, which stand, reach 0.05 m, 15 deg and 0.06 m on point feet; with soles 0.1 m, and
-// 44 deg after a push, from which they come back.
+// 29 deg after a push and uphill, from which they come back.
 
 /// The centre of mass is this far below its reference [m].
 const SUNK: f64 = 0.06;
@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn walkers_that_stand_keep_all_figures_in_order() {
-        for name in ["feet-walk", "stop-and-go", "stand-push", "walk-uneven", "push-walking"] {
+        for name in ["feet-walk", "feet-slope", "stop-and-go", "stand-push", "walk-uneven", "push-walking"] {
             let run = run(name, &[]);
             assert_eq!(run.outcome, Outcome::Completed);
             let evidence = Evidence::new(&run.scenario, &run.model, &run.log, &run.layout);
@@ -210,8 +210,9 @@ mod tests {
             let off = most(&|i| evidence.stretch(i).foot.map_or(0.0, |foot| evidence.foot_off(i, foot)));
             let beyond = most(&|i| evidence.out_of_reach(i));
             assert!(sunk < 0.9 * SUNK && off < ASTRAY && beyond < 0.0, "{name}: {sunk} {off} {beyond}");
-            // After the pushes of a walk the torso swings far, and comes back.
-            assert!(lean < if name == "push-walking" { 0.8 } else { 0.95 * LEANT }, "{name}: {lean}");
+            // After the pushes of a walk and uphill the torso swings far, and comes back.
+            let far = ["push-walking", "feet-slope"].contains(&name);
+            assert!(lean < if far { 0.55 } else { 0.95 * LEANT }, "{name}: {lean}");
             assert!(evidence.lean(run.log.len() - 1).abs() < LEANT, "{name}");
         }
     }

@@ -118,8 +118,8 @@ fn numerics(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Option<(
 }
 
 /// The controller did not know the ground's height, and a foot of the walker, which lands where it finds the ground, did so where
-/// that was not believed to be. Of the latest steps the
-/// worst counts; a push among them that carries the XcoM out of reach comes first.
+/// that was not believed to be, before anything failed. Of the latest steps the worst counts; a push among them that carries the
+/// XcoM out of reach comes first.
 fn misstep(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
     if !matches!(evidence.steps, Steps::Walker(_)) || evidence.scenario.ground.height_is_known() {
         return None;
@@ -133,7 +133,7 @@ fn misstep(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Ev
         return None;
     }
     let landings = steps.iter().filter_map(|stretch| Some((stretch.ticks.end, stretch.foot?)));
-    let landings = landings.filter(|&(landed, foot)| landed < evidence.log.len() && evidence.touching(landed, foot));
+    let landings = landings.filter(|&(landed, foot)| landed < end && evidence.touching(landed, foot));
     let (landed, foot, lower) = landings
         .map(|(landed, foot)| (landed, foot, evidence.lower_than_the_other(landed, foot)))
         .max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;

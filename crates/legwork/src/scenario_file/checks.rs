@@ -163,7 +163,7 @@ pub(crate) fn walker_conflict(scenario: &Scenario) -> Option<(&'static [&'static
         if step_time < shortest || step_time > walker.longest_step_s || heel_off >= step_time - walker.double_support_s
         {
             let problem = format!(
-                "row {row}: a step of {step_time} s with a heel-off of {heel_off} s; valid are steps from {shortest} s (double \
+                "row {row}: a step of {step_time} s with a heel-off of {heel_off} s; valid are steps from {shortest:.3} s (double \
                  support and shortest swing) to {} s (longest_step_s) whose heel-off is shorter than the swing",
                 walker.longest_step_s
             );
@@ -180,7 +180,7 @@ pub(crate) fn walker_conflict(scenario: &Scenario) -> Option<(&'static [&'static
             (speed * walker.scheduled(speed)[0], if speed < 0.0 { walker.longest_back_m } else { walker.longest_m });
         if length.abs() > longest {
             let problem = format!(
-                "a speed of {speed} m/s takes steps of {:.2} m; the legs reach {longest} m (longest_m, longest_back_m)",
+                "a speed of {speed} m/s takes steps of {:.2} m; the longest are {longest} m (longest_m, longest_back_m)",
                 length.abs()
             );
             return Some((

@@ -73,12 +73,17 @@ pub(super) fn best_landing(
             cop_time += step;
         }
         time = next;
+        // Later ones cost more by their time alone.
+        let late = time - choice.duration;
+        if late > 0.0 && choice.time_weight * late * late >= least {
+            return best;
+        }
         if time >= choice.earliest - 1e-9 || !choice.time_is_free {
             let [low, high] = reach(time, com);
             let wanted = (xcom - choice.offset[0]) / (1.0 + choice.offset[1]);
             let place = wanted.clamp(low, high);
             let missed = xcom - place - choice.offset[0] - choice.offset[1] * place;
-            let (far, late) = (place - choice.length, time - choice.duration);
+            let far = place - choice.length;
             let cost = far * far + choice.time_weight * late * late + choice.offset_weight * missed * missed;
             if cost < least {
                 (least, best) = (cost, Landing { time, place, com });

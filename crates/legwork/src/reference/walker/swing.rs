@@ -1,5 +1,5 @@
 //! The foot that swings: ankle and pitch by quintics that are planned again in each tick, the toe's height by a curve that
-//! leaves and meets the ground without speed or acceleration.
+//! leaves the ground without speed or acceleration and meets it with a small speed.
 
 /// A scalar with two derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,19 +40,16 @@ impl Motion {
     }
 
     /// The targets that it can reach in `left` [s] without accelerating by more than `limit` [m/s²], as far as that is up
-    /// to the target; none where it is not.
+    /// to the target; the one that takes least where there is none.
     pub(crate) fn reach(self, limit: f64, left: f64) -> [f64; 2] {
         // The quintic's acceleration is linear in the way: α(s) way + β(s).
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
         let [rate, acceleration] = [self.rate * left, self.acceleration * left * left];
         let most = limit * left * left;
-        for s in [0.2113, 0.5, 0.7887] {
+        for s in [0.2113, 0.7887] {
             let of_way = 60.0 * s - 180.0 * s * s + 120.0 * s * s * s;
             let rest = acceleration * (1.0 - 9.0 * s + 18.0 * s * s - 10.0 * s * s * s)
                 + rate * (-36.0 * s + 96.0 * s * s - 60.0 * s * s * s);
-            if of_way.abs() < 1e-9 {
-                continue;
-            }
             let ends = [(-most - rest) / of_way, (most - rest) / of_way];
             low = f64::max(low, ends[0].min(ends[1]));
             high = f64::min(high, ends[0].max(ends[1]));
