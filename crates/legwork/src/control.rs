@@ -438,9 +438,12 @@ pub(crate) fn check_model(model: &Model, generator: Generator) -> Result<(), Err
         ),
     };
     if valid {
-        let problem = (generator == Generator::Walker).then(|| uneven_soles(model)).flatten();
-        return problem
-            .map_or(Ok(()), |problem| Err(Error::invalid("model", format!("the model '{}': {problem}", model.name))));
+        return match uneven_soles(model) {
+            Some(problem) if generator == Generator::Walker => {
+                Err(Error::invalid("model", format!("the model '{}': {problem}", model.name)))
+            }
+            _ => Ok(()),
+        };
     }
     let found = format!(
         "the model '{}' has base {} and {} contact points on {} feet",

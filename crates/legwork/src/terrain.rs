@@ -236,6 +236,7 @@ impl Relief {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::library;
 
     #[test]
     fn a_fitted_line_goes_through_points_on_a_line_and_between_others() {
@@ -252,7 +253,6 @@ mod tests {
             assert!(missed(&beside) > missed(&best));
         }
     }
-    use crate::library;
 
     fn terrain(change: impl FnOnce(&mut Scenario)) -> Terrain {
         let mut scenario = Scenario::default();

@@ -11,13 +11,11 @@ use super::evidence::Evidence;
 use crate::balance::{Meter, margin};
 use crate::feet::Sole;
 use crate::log::Field;
-use crate::reference::walker::Motion;
+use crate::reference::walker::{GRID_S, Motion};
 use crate::scenario::{Scenario, WalkerSettings};
 
 /// Largest acceleration on a quintic from rest to rest of 1 m in 1 s [m/s²]: 10/√3.
 const OF_QUINTIC: f64 = 5.7735;
-/// Landings are looked at so far apart [s].
-const GRID_S: f64 = 0.01;
 
 /// The walker's settings for its robot, and what measures its balance.
 #[derive(Debug)]

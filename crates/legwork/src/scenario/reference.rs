@@ -291,11 +291,17 @@ impl WalkerSettings {
         std::array::from_fn(|k| a[k + 1] + share * (b[k + 1] - a[k + 1]))
     }
 
+    /// Height of the hip above the ankle of a foot below it, where the centre of mass and the ankle are `com` and `ankle` above the
+    /// ground [m].
+    pub fn hip_above_ankle(&self, com: f64, ankle: f64) -> f64 {
+        com - self.hip_below_com_m - ankle
+    }
+
     /// Farthest that an ankle lands before the centre of mass on level ground at `speed` [m/s], where `ankle` is its height above the
     /// ground and the centre of mass is `lowered` for it [m].
     pub fn farthest_ahead(&self, speed: f64, ankle: f64, lowered: f64) -> f64 {
         let [_, height, bob, ..] = self.scheduled(speed);
-        let hip = height - 0.5 * bob - self.hip_below_com_m - ankle - lowered;
+        let hip = self.hip_above_ankle(height - 0.5 * bob, ankle) - lowered;
         (self.leg_m * self.leg_m - hip * hip).max(0.0).sqrt()
     }
 

@@ -3,7 +3,7 @@
 use legwork::study::results::{Results, Row, SURVIVED};
 use legwork::study::rollout::Column;
 use legwork::study::{Ending, Factor, Level};
-use maud::html;
+use maud::{Markup, html};
 
 use super::{FALL_NOTE, axis, quantity};
 use crate::report::charts::survival_map::{Cell, CellOutcome, SurvivalMap};
@@ -43,31 +43,34 @@ fn kinds(results: &Results) -> [(&'static str, Vec<usize>); 2] {
     ]
 }
 
-pub(super) fn sweeps(results: &Results, figures: &mut Figures) -> Vec<Section> {
-    let study = results.study;
+/// A section for each factor, with a `figure` for each kind of scenario that there is.
+fn for_each_factor(results: &Results, mut figure: impl FnMut(usize, &str, &[usize]) -> Markup) -> Vec<Section> {
     let mut sections = Vec::new();
-    for (index, factor) in study.factors.iter().enumerate() {
+    for (index, factor) in results.study.factors.iter().enumerate() {
         let body = html! {
             @for (kind, bases) in kinds(results) {
                 @if !bases.is_empty() {
-                    @let chart = sweep(results, index, &bases);
-                    @let (kind, file) = if study.bases.len() == bases.len() {
-                        (String::new(), factor.name.clone())
-                    } else {
-                        (format!(", {kind}"), format!("{}-{kind}", factor.name))
-                    };
-                    (figures.add(
-                        &file,
-                        &format!("The {}{kind}", factor.title()),
-                        &marked_note(factor),
-                        |width| chart.draw(width),
-                    ))
+                    (figure(index, kind, &bases))
                 }
             }
         };
         sections.push(Section { title: factor.title(), body });
     }
     sections
+}
+
+pub(super) fn sweeps(results: &Results, figures: &mut Figures) -> Vec<Section> {
+    for_each_factor(results, |index, kind, bases| {
+        let factor = &results.study.factors[index];
+        let chart = sweep(results, index, bases);
+        let (kind, file) = if results.study.bases.len() == bases.len() {
+            (String::new(), factor.name.clone())
+        } else {
+            (format!(", {kind}"), format!("{}-{kind}", factor.name))
+        };
+        let title = format!("The {}{kind}", factor.title());
+        figures.add(&file, &title, &marked_note(factor), |width| chart.draw(width))
+    })
 }
 
 fn marked_note(factor: &Factor) -> String {
@@ -174,25 +177,13 @@ fn has_own_parts(factor: &Factor) -> bool {
 
 /// Survival and medians in parts of each factor's range.
 pub(super) fn parts(results: &Results, figures: &mut Figures) -> Vec<Section> {
-    let study = results.study;
-    let mut sections = Vec::new();
-    for (index, factor) in study.factors.iter().enumerate() {
-        let body = html! {
-            @for (kind, bases) in kinds(results) {
-                @if !bases.is_empty() {
-                    @let chart = binned(results, index, &bases);
-                    (figures.add(
-                        &format!("{}-{kind}", factor.name),
-                        &format!("Along the {}, {kind}", factor.title()),
-                        "Survival, and medians of the runs that did not fall.",
-                        |width| chart.draw(width),
-                    ))
-                }
-            }
-        };
-        sections.push(Section { title: factor.title(), body });
-    }
-    sections
+    for_each_factor(results, |index, kind, bases| {
+        let factor = &results.study.factors[index];
+        let chart = binned(results, index, bases);
+        let title = format!("Along the {}, {kind}", factor.title());
+        let note = "Survival, and medians of the runs that did not fall.";
+        figures.add(&format!("{}-{kind}", factor.name), &title, note, |width| chart.draw(width))
+    })
 }
 
 fn binned(results: &Results, index: usize, bases: &[usize]) -> Sweep {

@@ -6,7 +6,7 @@
 use super::plan::StepPlan;
 
 /// Time between two times of landing that are looked at [s].
-pub(super) const GRID_S: f64 = 0.01;
+pub(crate) const GRID_S: f64 = 0.01;
 
 /// What a landing is chosen by.
 #[derive(Clone, Copy, Debug)]

@@ -64,14 +64,14 @@ impl Walker {
     pub(super) fn waits_too_long(&self, stance: usize, time: f64, observation: &Observation) -> bool {
         let ankle = &self.placed[stance];
         let across = observation.com.x - ankle.x;
-        let high = observation.com.z - self.settings.hip_below_com_m - self.sole.ankle - ankle.z;
+        let high = self.settings.hip_above_ankle(observation.com.z, self.sole.ankle) - ankle.z;
         let leg = (across * across + high * high).sqrt();
         self.swung && time > self.choice.duration - self.heel_off && leg > self.settings.stretched_leg_m
     }
 
     /// Height of the hip above the ankle of a foot below it, where nothing lowers it [m].
     fn hip_height(&self) -> f64 {
-        self.height[1] - 0.5 * self.bob - self.settings.hip_below_com_m - self.sole.ankle
+        self.settings.hip_above_ankle(self.height[1] - 0.5 * self.bob, self.sole.ankle)
     }
 
     /// Places of the foot that the leg reaches in `left` [s], from the centre of mass, which is lowered until then [m].

@@ -20,6 +20,7 @@ use super::{AngleReference, Footing, ObjectReference, Observation, PointReferenc
 use crate::feet::Sole;
 use crate::scenario::{Adaptation, WalkerSettings};
 use crate::terrain::{Line, Terrain};
+pub(crate) use adapt::GRID_S;
 use adapt::{Choice, law};
 use feet::{Flat, Roll};
 use ground::Trail;
