@@ -8,7 +8,8 @@ use std::hint::black_box;
 use std::io::{self, Write};
 use std::path::Path;
 
-use legwork::control::{Controller, Estimate};
+use legwork::contract::Sensed;
+use legwork::control::{Controller, MomentumController};
 use legwork::recording::Recording;
 use legwork::sim::Simulator;
 use legwork::study::{Base, rollout};
@@ -23,7 +24,7 @@ const STATES: usize = 200;
 // Without closures in them: these would be functions of like names, at which collecting would be switched off.
 
 #[inline(never)]
-fn count_ticks(model: &Model, dynamics: &mut Dynamics, controller: &mut Controller, estimates: &[Estimate]) {
+fn count_ticks(model: &Model, dynamics: &mut Dynamics, controller: &mut MomentumController, estimates: &[Sensed]) {
     for estimate in estimates {
         dynamics.update(model, &estimate.q, &estimate.v);
         black_box(controller.tick(estimate, dynamics));

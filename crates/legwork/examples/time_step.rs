@@ -86,7 +86,7 @@ fn walking(name: &str) -> Result<Case, Failure> {
     let torques: Vec<Vec<f64>> = run.log.records().map(|record| record[range.clone()].to_vec()).collect();
     let q: Vec<f64> = run.log.get(0, Field::Q).to_vec();
     Ok(Case {
-        start: Simulator::new(&scenario, &model, &q)?,
+        start: scenario.simulator(&model, &q)?,
         steps: torques.len(),
         torque: Box::new(move |step, _, torque| torque.copy_from_slice(&torques[step])),
     })
@@ -122,7 +122,7 @@ fn standing(sway: f64) -> Result<Case, Failure> {
             dynamics.gravity[j] - carried
         })
         .collect();
-    let start = Simulator::new(&Scenario::default(), &model, q.as_slice())?;
+    let start = Scenario::default().simulator(&model, q.as_slice())?;
     Ok(Case {
         start,
         steps: 3000,

@@ -1,22 +1,28 @@
-//! One run: the only file that sees both the controller and the simulator.
-
-use std::time::Instant;
+//! One run: the only file that sees a controller and a physics at once.
+//!
+//! An [`Episode`] lets both act on each other, tick by tick, and writes a record of each tick. Controller, reference generator
+//! and physics are those of the scenario, or one's own ([`Parts`]).
 
 use legwork_qp::{Constraint, Status};
 use legwork_rbd::{Dynamics, Model};
 
-use crate::balance::{Meter, Moment};
-use crate::control::{Controller, Estimate, check_model};
+use crate::balance::{Measures, Meter, Moment};
+use crate::channel::{Columns, Field, Record};
+use crate::contract::Sensed;
+use crate::control::controller::Controller;
 use crate::diagnosis::{self, Diagnosis, Fall};
 use crate::error::Error;
-use crate::log::{Field, Log};
+use crate::feet::FeetMotion;
+use crate::generator::{Generator, check_model};
+use crate::log::Log;
 use crate::metrics::{self, Metrics};
-use crate::qp::Layout;
+use crate::momentum::{Fallback, Layout};
+use crate::record;
 use crate::scenario::Scenario;
-use crate::sim::Simulator;
 use crate::sim::audit::Audit;
-use crate::sim::model_error;
 use crate::sim::sensors::Sensors;
+use crate::sim::{Health, Plant, model_error};
+use crate::sink::{Hashes, Sink};
 use crate::start::start_pose;
 use crate::terrain::Terrain;
 
@@ -51,8 +57,8 @@ pub struct ProgramCounts {
 /// How long things took; not part of the result's hash.
 #[derive(Clone, Debug, Default)]
 pub struct Timing {
-    /// Duration of each control tick [s]; without the dynamics of the state where the sensors are ideal, as the simulator
-    /// has them already.
+    /// Duration of each control tick [s]; without the dynamics of the state where the sensors are ideal, as the physics
+    /// has them already. None where the run had no clock.
     pub ticks_s: Vec<f64>,
     /// Of the whole run [s].
     pub wall_s: f64,
@@ -89,7 +95,7 @@ pub struct Run {
     pub log: Log,
     /// The thesis's figures.
     pub metrics: Metrics,
-    /// The simulator's books.
+    /// The physics' books.
     pub audit: Audit,
     /// How the programs went.
     pub program: ProgramCounts,
@@ -101,26 +107,55 @@ pub struct Run {
     pub result_hash: u128,
 }
 
+/// What a run is made of where it is not what the scenario says.
+#[derive(Debug, Default)]
+pub struct Parts {
+    /// Rows of the CoM file, where the scenario names one.
+    pub samples: Vec<[f64; 3]>,
+    /// A controller of one's own.
+    pub controller: Option<Box<dyn Controller>>,
+    /// A reference generator of one's own for the scenario's controller.
+    pub generator: Option<Box<dyn Generator>>,
+    /// A physics of one's own.
+    pub plant: Option<Box<dyn Plant>>,
+    /// Where the records go while the run goes on. Without it they stay in memory; with it the latest [`KEPT_S`] of them do.
+    pub sink: Option<Box<dyn Sink>>,
+    /// Tells the time [s], from wherever it counts, so that ticks are timed.
+    pub clock: Option<fn() -> f64>,
+}
+
+/// The records that stay in memory where a sink takes them are those of the latest so many seconds: what a diagnosis looks back at.
+pub const KEPT_S: f64 = 60.0;
+
 /// A run in progress, advanced tick by tick.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Episode {
     scenario: Scenario,
     /// The robot as it is.
     model: Model,
     /// The robot as the controller knows it.
     known: Model,
-    controller: Controller,
-    simulator: Simulator,
+    ground: Terrain,
+    /// Which contact points its feet have.
+    feet: FeetMotion,
+    controller: Box<dyn Controller>,
+    plant: Box<dyn Plant>,
+    sink: Option<Box<dyn Sink>>,
     sensors: Sensors,
-    truth: Estimate,
-    estimate: Estimate,
-    /// Dynamics of the estimate, where state or robot are not the true ones.
+    truth: Sensed,
+    told: Sensed,
+    /// Dynamics of the true state, where the physics does not give them.
+    dynamics: Option<Dynamics>,
+    /// Dynamics of the state that the controller is told, where state or robot are not the true ones.
     estimated: Option<Dynamics>,
+    columns: Columns,
+    record: Vec<f64>,
     log: Log,
-    /// Measures the balance of each tick, where the log has columns for it.
-    meter: Option<Meter>,
+    meter: Meter,
+    /// The measures of balance in the record of the tick before.
+    balance_before: Vec<f64>,
     input_hash: u128,
-    steps_per_tick: u64,
+    result: record::Hasher,
     ticks: u64,
     tick: u64,
     fall: Option<Fall>,
@@ -129,6 +164,7 @@ pub struct Episode {
     first_infeasible: Option<f64>,
     conflict: Vec<Constraint>,
     iterations: u64,
+    clock: Option<fn() -> f64>,
     tick_times: Vec<f64>,
 }
 
@@ -140,169 +176,127 @@ impl Episode {
     /// The start pose cannot be taken, a push names an unknown body, the CoM trajectory is not valid, or the model is
     /// none that the controller can drive.
     pub fn new(scenario: &Scenario, model: &Model, samples: &[[f64; 3]]) -> Result<Self, Error> {
-        check_model(model, scenario.reference.generator)?;
-        let ground = Terrain::of(scenario, model);
-        let q = start_pose(scenario, model, &ground)?;
+        Self::with(scenario, model, Parts { samples: samples.to_vec(), ..Parts::default() })
+    }
+
+    /// As [`Episode::new`], with `parts` in place of what the scenario says.
+    ///
+    /// # Errors
+    /// Those of [`Episode::new`]; a physics whose state is none of the robot's, or two channels of one name.
+    pub fn with(scenario: &Scenario, model: &Model, parts: Parts) -> Result<Self, Error> {
+        if parts.controller.is_none() && parts.generator.is_none() {
+            check_model(model, scenario.reference.generator)?;
+        }
         let (known, error) = (model, scenario.simulation.model_error);
         let model = model_error::real(known, error, scenario.seed);
-        let simulator = Simulator::new(scenario, &model, q.as_slice())?;
-        let touching = (0..model.contacts.len()).map(|contact| simulator.touching(contact)).collect();
-        let truth = Estimate {
-            time: 0.0,
-            q: simulator.q().to_vec(),
-            v: simulator.v().to_vec(),
-            touching,
-            load: vec![0.0; model.contacts.len()],
+        let plant = match parts.plant {
+            Some(plant) => plant,
+            None => {
+                let q = start_pose(scenario, known, &scenario.terrain(known))?;
+                Box::new(scenario.simulator(&model, q.as_slice())?)
+            }
         };
-        let controller = Controller::new(scenario, known, samples, &truth)?;
+        let mut truth = Sensed::new(&model);
+        plant.read(&mut truth);
+        truth.check(&model)?;
+        let controller = match (parts.controller, parts.generator) {
+            (Some(controller), _) => controller,
+            (None, Some(generator)) => Box::new(scenario.momentum_controller_after(known, generator)),
+            (None, None) => Box::new(scenario.momentum_controller(known, &parts.samples, &truth)?),
+        };
+        let meter = Meter::new(scenario, &model);
+        let columns = Columns::new(record::channels(&model, controller.as_ref(), plant.as_ref()))?;
         let period = scenario.controller.period_s;
         let ticks = (scenario.duration_s / period).round() as u64;
-        let log = Log::new(&model, controller.layout(), ticks as usize);
+        let log = match parts.sink {
+            Some(_) => Log::of_latest(columns.clone(), &model, (KEPT_S / period).ceil() as usize),
+            None => Log::new(columns.clone(), &model, ticks as usize),
+        };
+        let ideal = scenario.simulation.sensors.are_ideal() && error == 0.0;
         Ok(Self {
             sensors: Sensors::new(&scenario.simulation.sensors, &model, period, scenario.seed, &truth),
-            meter: (!log.range(Field::Balance).is_empty()).then(|| Meter::new(scenario, &model)),
+            dynamics: plant.dynamics().is_none().then(|| Dynamics::new(&model)),
+            estimated: (!ideal).then(|| Dynamics::new(known)),
+            record: vec![0.0; columns.width()],
+            balance_before: vec![0.0; columns.range(Field::Balance).len()],
+            meter,
             log,
-            input_hash: input_hash(scenario, known, samples),
-            steps_per_tick: (period / scenario.simulation.period_s).round() as u64,
+            result: record::Hasher::new(&columns),
+            columns,
+            input_hash: input_hash(scenario, known, &parts.samples),
             ticks,
             tick: 0,
             fall: None,
             program: ProgramCounts::default(),
             first_infeasible: None,
-            conflict: Vec::with_capacity(controller.layout().variables() + controller.layout().rows()),
+            conflict: Vec::with_capacity(controller.program().map_or(0, |program| program.conflict.capacity())),
             iterations: 0,
-            tick_times: Vec::with_capacity(ticks as usize),
-            estimate: truth.clone(),
-            estimated: (!scenario.simulation.sensors.are_ideal() || error > 0.0).then(|| Dynamics::new(known)),
+            clock: parts.clock,
+            tick_times: Vec::with_capacity(if parts.clock.is_some() { ticks as usize } else { 0 }),
+            told: truth.clone(),
             truth,
+            ground: scenario.terrain(&model),
+            feet: FeetMotion::new(&model),
             scenario: scenario.clone(),
             known: known.clone(),
             model,
             controller,
-            simulator,
+            plant,
+            sink: parts.sink,
         })
     }
 
-    /// One control tick and the physics steps up to the next. Returns whether the run goes on. Allocates nothing.
-    pub fn advance(&mut self) -> bool {
+    /// One control tick and the physics up to the next. Returns whether the run goes on. Allocates nothing, unless the sink does.
+    ///
+    /// # Errors
+    /// The sink could not take the record, or the values that a controller or a physics gives for its channels are not as many.
+    pub fn advance(&mut self) -> Result<bool, Error> {
         if self.tick >= self.ticks || self.fall.is_some() {
-            return false;
+            return Ok(false);
         }
-        self.sense();
-        let begin = Instant::now();
+        self.plant.read(&mut self.truth);
+        if let Some(dynamics) = &mut self.dynamics {
+            dynamics.update(&self.model, &self.truth.q, &self.truth.v);
+        }
+        self.sensors.read(&self.truth, &mut self.told);
+        self.control();
+        self.write_down()?;
+
+        let before = self.has_balance().then(|| self.moment());
+        let health = self.plant.apply(self.controller.command(), self.scenario.controller.period_s);
+        self.plant.read(&mut self.truth);
+        if let Some(dynamics) = &mut self.dynamics {
+            dynamics.update(&self.model, &self.truth.q, &self.truth.v);
+        }
+        self.write_down_what_came_of_it(before)?;
+        self.tick += 1;
+        let robot = (&self.model, self.dynamics());
+        self.fall = diagnosis::fall(&self.scenario, robot, &self.ground, &self.truth, health == Health::Sound);
+        Ok(self.fall.is_none() && self.tick < self.ticks)
+    }
+
+    /// The control tick.
+    fn control(&mut self) {
+        let begin = self.clock.map(|clock| clock());
         match &mut self.estimated {
             Some(dynamics) => {
-                dynamics.update(&self.known, &self.estimate.q, &self.estimate.v);
-                self.controller.tick(&self.estimate, dynamics);
+                dynamics.update(&self.known, &self.told.q, &self.told.v);
+                self.controller.tick(&self.told, dynamics);
             }
-            // The simulator has just computed them for the same state and robot.
+            // Those of the true state are those of what is told.
             None => {
-                self.controller.tick(&self.estimate, self.simulator.dynamics());
+                let dynamics = self.dynamics.as_ref().or(self.plant.dynamics()).expect("either has them");
+                self.controller.tick(&self.told, dynamics);
             }
         }
-        self.tick_times.push(begin.elapsed().as_secs_f64());
-        self.record();
-
-        let before = self.meter.is_some().then(|| self.moment());
-        let contacts = self.simulator.contact_forces().len();
-        let share = 1.0 / self.steps_per_tick as f64;
-        let mut sound = true;
-        for _ in 0..self.steps_per_tick {
-            sound = self.simulator.step(&self.controller.latest().solution.tau);
-            if !sound {
-                break;
-            }
-            let simulator = &self.simulator;
-            let mut record = self.log.last_mut();
-            record.accumulate(Field::GrfSimulated, (0..contacts).map(|k| share * simulator.contact_forces()[k]));
-            record.set(Field::TorqueApplied, simulator.applied_torques().iter().copied());
-            let report = simulator.contact_report();
-            let period = self.scenario.simulation.period_s;
-            record.set(Field::Contact, [f64::from(report.sweeps), report.residual / period]);
+        if let (Some(begin), Some(clock)) = (begin, self.clock) {
+            self.tick_times.push(clock() - begin);
         }
-        if let Some(before) = before {
-            self.record_balance(&before);
-        }
-        self.tick += 1;
-        self.fall = diagnosis::fall(&self.scenario, &self.model, &self.simulator, sound);
-        self.fall.is_none() && self.tick < self.ticks
-    }
-
-    fn sense(&mut self) {
-        self.truth.time = self.simulator.time();
-        self.truth.q.copy_from_slice(self.simulator.q());
-        self.truth.v.copy_from_slice(self.simulator.v());
-        for contact in 0..self.truth.touching.len() {
-            self.truth.touching[contact] = self.simulator.touching(contact);
-        }
-        if let Some(before) = self.log.len().checked_sub(1) {
-            let axes = self.model.linear_axes().len();
-            let forces = self.log.get(before, Field::GrfSimulated).iter().skip(axes - 1).step_by(axes);
-            self.truth.load.iter_mut().zip(forces).for_each(|(load, force)| *load = *force);
-        }
-        self.sensors.read(&self.truth, &mut self.estimate);
-    }
-
-    /// Writes the tick's record: the true state, the references and what the program made of them.
-    fn record(&mut self) {
-        let axes = self.model.linear_axes();
-        let dynamics = self.simulator.dynamics();
-        let reference = self.controller.reference();
-        let tick = self.controller.latest();
-        let places = |contacts: &[usize]| {
-            let sum: nalgebra::Vector3<f64> = contacts.iter().map(|&contact| dynamics.contact_positions[contact]).sum();
-            sum / contacts.len() as f64
-        };
-        // All of the log's feet are the middles of their contact points, also where the reference is of the toe.
-        let feet = [0, 1].map(|foot| {
-            let mut point = reference.feet[foot].point;
-            if reference.footing[foot].is_on_an_end() {
-                let motion = self.controller.feet();
-                point.position += places(motion.contacts(foot)) - places(motion.points(foot, reference.footing[foot]));
-            }
-            point
-        });
-        let project = |vector: nalgebra::Vector3<f64>| axes.iter().map(move |axis| axis.dot(&vector));
-        let motion = |point: &crate::reference::PointReference| {
-            let (p, v, a) = (point.position, point.velocity, point.acceleration);
-            project(p).chain(project(v)).chain(project(a))
-        };
-
-        let mut record = self.log.push();
-        record.set(Field::Time, [self.truth.time]);
-        record.set(Field::Q, self.truth.q.iter().copied());
-        record.set(Field::V, self.truth.v.iter().copied());
-        record.set(Field::Torque, tick.solution.tau.iter().copied());
-        record.set(Field::Grf, tick.solution.rho.iter().copied());
-        record.set(Field::Com, project(dynamics.com));
-        record.set(Field::ComVelocity, project(dynamics.com_velocity));
-        record.set(Field::ComReference, motion(&reference.chest.point));
-        record.set(Field::Xcom, [self.controller.xcom()]);
-        // About −y, which is the plane's only axis.
-        let (row, sign) = if self.model.is_planar() { (0, 1.0) } else { (1, -1.0) };
-        let turning = (0..self.truth.v.len()).map(|j| dynamics.torso_jacobian[(row, j)] * self.truth.v[j]).sum::<f64>();
-        record.set(Field::Torso, [dynamics.torso_angle(&self.model), sign * turning]);
-        let torso = &reference.chest.angle;
-        record.set(Field::TorsoReference, [torso.angle, torso.velocity, torso.acceleration]);
-        record.set(Field::Feet, dynamics.contact_positions.iter().flat_map(|point| project(*point)));
-        record.set(Field::FeetReference, feet.iter().flat_map(motion));
-        record.set(Field::Swing, self.controller.swing().map_or([-1.0, -1.0], |(foot, since)| [foot as f64, since]));
-        record.set(Field::Touching, self.truth.touching.iter().map(|&touching| f64::from(u8::from(touching))));
-        record.set(Field::MomentumRateGoal, self.controller.planner().goal().momentum_rate.iter().copied());
-        record.set(Field::Acceleration, tick.solution.qdd.iter().copied());
-        record.set(Field::Slack, tick.solution.slack.iter());
-        record.set(Field::ActiveLimit, tick.active.iter().map(|&side| f64::from(side)));
-        record.set(Field::Braking, tick.braking.iter().copied());
-        let status = tick.status as u8;
-        let numbers = [u32::from(status), tick.fallback as u32, tick.iterations, tick.solves];
-        record.set(Field::Program, numbers.map(f64::from));
-        let audit = self.simulator.audit();
-        record.set(Field::Energy, [dynamics.kinetic_energy, dynamics.potential_energy, audit.energy_error_j]);
-
+        let Some(tick) = self.controller.program() else { return };
         let program = &mut self.program;
         program.solves += u64::from(tick.solves);
         program.infeasible += u64::from(tick.status == Status::Infeasible);
-        program.fallbacks += u64::from(tick.fallback != crate::control::Fallback::None);
+        program.fallbacks += u64::from(tick.fallback != Fallback::None);
         program.iterations_max = program.iterations_max.max(tick.iterations);
         self.iterations += u64::from(tick.iterations);
         if tick.status == Status::Infeasible && self.first_infeasible.is_none() {
@@ -311,25 +305,60 @@ impl Episode {
         }
     }
 
-    /// Place and momentum of the robot as a whole.
-    fn moment(&self) -> Moment {
-        Moment::new(self.simulator.time(), &self.model, self.simulator.dynamics(), self.simulator.v())
+    /// Begins the tick's record: the true state, the references, and what the controller made of them.
+    fn write_down(&mut self) -> Result<(), Error> {
+        self.record.fill(0.0);
+        let dynamics = self.dynamics.as_ref().or(self.plant.dynamics()).expect("either has them");
+        let mut record = Record::new(&self.columns, &mut self.record);
+        record::state(&mut record, &self.model, &self.truth, dynamics);
+        record.set(Field::Torque, self.controller.command().torque.iter().copied());
+        if let Some(reference) = self.controller.reference() {
+            record::reference(&mut record, &self.model, &self.feet, dynamics, reference);
+        }
+        self.controller.record(&mut record);
+        record.check()
     }
 
-    /// Completes the tick's record with the measures of balance, of which some are of the motion since `before`.
-    fn record_balance(&mut self, before: &Moment) {
-        let Some(meter) = &self.meter else { return };
-        let zmp = meter.zmp(&self.model, self.simulator.dynamics(), before, &self.moment());
-        let latest = self.log.len() - 1;
-        let measures = meter.at(&self.log, latest);
-        let [cop_reference, xcom_reference] = self.controller.balance();
+    /// Completes the tick's record with what the physics did, and with the measures of balance, of which some are of the motion
+    /// since `before`.
+    fn write_down_what_came_of_it(&mut self, before: Option<Moment>) -> Result<(), Error> {
+        let mut record = Record::new(&self.columns, &mut self.record);
+        self.plant.record(&mut record);
+        record.check()?;
+        if let Some(before) = before {
+            self.write_down_balance(&before);
+        }
+        self.log.push(&self.record);
+        self.result.add(&self.record);
+        match &mut self.sink {
+            Some(sink) => sink.record(&self.columns, &self.record),
+            None => Ok(()),
+        }
+    }
+
+    fn has_balance(&self) -> bool {
+        !self.balance_before.is_empty()
+    }
+
+    /// Place and momentum of the robot as a whole.
+    fn moment(&self) -> Moment {
+        Moment::new(self.truth.time, &self.model, self.dynamics(), &self.truth.v)
+    }
+
+    fn write_down_balance(&mut self, before: &Moment) {
+        let zmp = self.meter.zmp(&self.model, self.dynamics(), before, &self.moment());
+        let mut record = Record::new(&self.columns, &mut self.record);
+        let measures = self.meter.of(|field| record.get(field));
+        let [cop_reference, xcom_reference] = self
+            .controller
+            .reference()
+            .map_or([0.0; 2], |reference| [reference.cop_reference, reference.xcom_reference]);
         let found = [measures.cop, zmp, measures.wanted_zmp, measures.cmp, measures.margin()];
         // In flight there are none: they stay what they were.
-        let kept = latest.checked_sub(1).map(|earlier| self.log.get(earlier, Field::Balance));
-        let kept: [f64; 5] = std::array::from_fn(|k| found[k].unwrap_or_else(|| kept.map_or(0.0, |kept| kept[k + 2])));
+        let kept: [f64; 5] = std::array::from_fn(|k| found[k].unwrap_or(self.balance_before[k + 2]));
         let steps = measures.steps().map_or(-1.0, f64::from);
-        let places = [cop_reference, xcom_reference].into_iter().chain(kept);
-        self.log.last_mut().set(Field::Balance, places.chain([steps]));
+        record.set(Field::Balance, [cop_reference, xcom_reference].into_iter().chain(kept).chain([steps]));
+        self.balance_before.copy_from_slice(record.get(Field::Balance));
     }
 
     /// Asks the walker for another speed from now on [m/s].
@@ -345,7 +374,8 @@ impl Episode {
             }
             Some((_, problem)) => Err(Error::invalid("reference.walker.speed_mps", problem)),
             None => {
-                self.controller.command_speed(speed);
+                let settings = crate::wearer::controller(&asked, &self.known);
+                self.controller.change(&settings, &asked.fitted_reference());
                 Ok(())
             }
         }
@@ -353,40 +383,85 @@ impl Episode {
 
     /// Time simulated so far [s].
     pub fn time(&self) -> f64 {
-        self.simulator.time()
+        self.truth.time
+    }
+
+    /// The true state, and what the contact points truly feel.
+    pub fn truth(&self) -> &Sensed {
+        &self.truth
+    }
+
+    /// What the controller was told in the latest tick.
+    pub fn told(&self) -> &Sensed {
+        &self.told
+    }
+
+    /// Dynamics of the true robot in its present state.
+    pub fn dynamics(&self) -> &Dynamics {
+        self.dynamics.as_ref().or(self.plant.dynamics()).expect("either has them")
+    }
+
+    /// The controller, with its latest command and reference, its tasks and limits.
+    pub fn controller(&self) -> &dyn Controller {
+        self.controller.as_ref()
+    }
+
+    /// The physics.
+    pub fn plant(&self) -> &dyn Plant {
+        self.plant.as_ref()
+    }
+
+    /// The measures of balance of the latest record; none before the first.
+    pub fn balance(&self) -> Option<Measures> {
+        self.log.len().checked_sub(1).map(|latest| self.meter.at(&self.log, latest))
+    }
+
+    /// The records so far; where a sink takes them, the latest.
+    pub fn log(&self) -> &Log {
+        &self.log
+    }
+
+    /// How the robot fell, if it did.
+    pub fn fall(&self) -> Option<&Fall> {
+        self.fall.as_ref()
     }
 
     /// Ends the run and takes its figures.
-    pub fn finish(self, wall_s: f64) -> Run {
+    ///
+    /// # Errors
+    /// The sink could not be finished.
+    pub fn finish(mut self, wall_s: f64) -> Result<Run, Error> {
+        let result_hash = self.result.digest();
+        if let Some(sink) = &mut self.sink {
+            sink.finish(&Hashes { input: self.input_hash, result: result_hash })?;
+        }
         let outcome = match self.fall {
             Some(fall) => Outcome::Fell(fall),
             None if self.tick < self.ticks => Outcome::Stopped,
             None => Outcome::Completed,
         };
+        let layout = self.controller.layout().expect("a momentum controller").clone();
         let diagnosis = match &outcome {
-            Outcome::Fell(fall) => {
-                let layout = self.controller.layout();
-                Some(diagnosis::diagnose(&self.scenario, &self.model, fall, &self.log, layout))
-            }
+            Outcome::Fell(fall) => Some(diagnosis::diagnose(&self.scenario, &self.model, fall, &self.log, &layout)),
             Outcome::Completed | Outcome::Stopped => None,
         };
         let mut program = self.program;
         program.first_infeasible = self.first_infeasible.map(|time| {
             let mut names: Vec<String> =
-                self.conflict.iter().map(|&constraint| self.controller.layout().name(constraint).to_owned()).collect();
+                self.conflict.iter().map(|&constraint| layout.name(constraint).to_owned()).collect();
             names.sort();
             names.dedup();
             (time, names)
         });
         program.iterations_mean = self.iterations as f64 / self.tick.max(1) as f64;
-        Run {
+        Ok(Run {
             metrics: metrics::measure(&self.scenario, &self.model, &self.log),
-            audit: self.simulator.audit().clone(),
+            audit: self.plant.audit().cloned().unwrap_or_default(),
             program,
             timing: Timing { ticks_s: self.tick_times, wall_s },
             input_hash: self.input_hash,
-            result_hash: self.log.hash(),
-            layout: self.controller.layout().clone(),
+            result_hash,
+            layout,
             scenario: self.scenario,
             model: self.model,
             known: self.known,
@@ -394,7 +469,7 @@ impl Episode {
             reason: diagnosis.as_ref().map(|diagnosis| diagnosis.sentence.clone()),
             diagnosis,
             log: self.log,
-        }
+        })
     }
 }
 
@@ -406,12 +481,27 @@ pub fn run(
     scenario: &Scenario,
     model: &Model,
     samples: &[[f64; 3]],
+    stop: impl FnMut(f64) -> bool,
+) -> Result<Run, Error> {
+    run_with(scenario, model, Parts { samples: samples.to_vec(), ..Parts::default() }, stop)
+}
+
+/// As [`run`], with `parts` in place of what the scenario says.
+///
+/// # Errors
+/// Those of [`Episode::with`], [`Episode::advance`] and [`Episode::finish`].
+pub fn run_with(
+    scenario: &Scenario,
+    model: &Model,
+    parts: Parts,
     mut stop: impl FnMut(f64) -> bool,
 ) -> Result<Run, Error> {
-    let begin = Instant::now();
-    let mut episode = Episode::new(scenario, model, samples)?;
-    while episode.advance() && !stop(episode.time()) {}
-    Ok(episode.finish(begin.elapsed().as_secs_f64()))
+    let clock = parts.clock;
+    let begin = clock.map(|clock| clock());
+    let mut episode = Episode::with(scenario, model, parts)?;
+    while episode.advance()? && !stop(episode.time()) {}
+    let wall_s = clock.zip(begin).map_or(0.0, |(clock, begin)| clock() - begin);
+    episode.finish(wall_s)
 }
 
 /// Hash of everything that a run depends on: of what is in the files that a scenario names, not of where they lie.

@@ -1,43 +1,44 @@
-//! A momentum-based whole-body controller for bipeds and lower-limb exoskeletons, with a rigid-contact simulator.
+//! legwork finds out, reproducibly, what a biped or exoskeleton controller can survive, and why it fell: a momentum-based
+//! whole-body controller, a rigid-contact simulator, and runs of the two together.
 //!
-//! One control tick reads like the folder: a state estimate goes through [`reference`] (where centre of mass, torso and
-//! feet should be), [`planner`] (which momentum rate and accelerations that asks for) and [`qp`] (which accelerations,
-//! forces and torques come closest), composed in [`control`]; [`sim`] turns torques into the next state. [`episode`] is
-//! the only module that sees both sides. A run leaves a [`log`], [`metrics`], the simulator's books
-//! ([`sim::audit`]) and, where it fell, a sentence of why ([`diagnosis`]).
+//! A [`scenario`] says what is run; an [`episode`] runs it, tick by tick: a [`control`]ler is given what is sensed and answers
+//! with torques, a [`sim`]ulator turns torques into the next state. Controller, reference generator, physics and where the
+//! records go may be one's own. A run leaves a [`log`], [`metrics`], the simulator's books ([`sim::audit`]) and, where the robot
+//! fell, a sentence of why ([`diagnosis`]).
 //!
 //! ```
-//! use legwork::{library, scenario_file};
+//! use legwork::{episode, scenario_file};
 //!
 //! let loaded = scenario_file::load("push", &["pushes.0.force_n=300".to_owned()])?;
-//! let model = library::load_model(&loaded.scenario.model, None)?;
-//! let run = legwork::episode::run(&loaded.scenario, &model, &[], |_time| false)?;
+//! let run = episode::run(&loaded.scenario, &loaded.model()?, &[], |_time| false)?;
 //! println!("{:?}, furthest {:?} m", run.outcome, run.metrics.recovery_distance_m);
 //! # Ok::<(), legwork::error::Error>(())
 //! ```
 
 pub mod balance;
-pub mod contact;
-pub mod control;
 pub mod diagnosis;
 pub mod episode;
-pub mod error;
-pub mod feet;
 pub mod library;
 pub mod log;
 pub mod log_file;
 pub mod metrics;
-pub mod planner;
-pub mod published;
-pub mod qp;
+mod record;
 pub mod recording;
-pub mod reference;
-pub mod reproduce;
 pub mod scenario;
 pub mod scenario_file;
 pub mod settings;
-pub mod sim;
+pub mod sink;
 pub mod start;
-pub mod study;
-pub mod terrain;
 pub mod wearer;
+
+// To be moved out of this crate.
+pub mod published;
+pub mod reproduce;
+pub mod study;
+
+pub use legwork_contract::{channel, contact, contract, error, feet, names, terrain};
+pub use legwork_control as control;
+pub use legwork_control::{generator, momentum, planner};
+pub use legwork_rbd as rbd;
+pub use legwork_sim as sim;
+pub use nalgebra;

@@ -4,10 +4,11 @@
 
 use legwork_rbd::Model;
 
-use crate::control::{Controller, Estimate};
+use crate::contract::Sensed;
 use crate::episode::Run;
 use crate::error::Error;
 use crate::log::Field;
+use crate::momentum::MomentumController;
 use crate::scenario::Scenario;
 use crate::sim::Simulator;
 use crate::sim::sensors::Sensors;
@@ -20,9 +21,9 @@ pub struct Recording {
     model: Model,
     known: Model,
     samples: Vec<[f64; 3]>,
-    start: Estimate,
+    start: Sensed,
     /// What the controller was told, a tick each.
-    pub estimates: Vec<Estimate>,
+    pub estimates: Vec<Sensed>,
     /// The torques that the simulator was given [Nm], a tick each: those of the actuated joints.
     pub torques: Vec<Vec<f64>>,
     /// Steps of the simulator a tick.
@@ -59,9 +60,9 @@ impl Recording {
     /// A controller as it was before the first tick.
     ///
     /// # Errors
-    /// None for the controller that made the run; else those of [`Controller::new`].
-    pub fn controller(&self) -> Result<Controller, Error> {
-        Controller::new(&self.scenario, &self.known, &self.samples, &self.start)
+    /// None for the controller that made the run; else those of [`Scenario::generator`].
+    pub fn controller(&self) -> Result<MomentumController, Error> {
+        self.scenario.momentum_controller(&self.known, &self.samples, &self.start)
     }
 
     /// A simulator as it was before the first step.
@@ -69,7 +70,7 @@ impl Recording {
     /// # Errors
     /// None for the simulator that made the run; else those of [`Simulator::new`].
     pub fn simulator(&self) -> Result<Simulator, Error> {
-        Simulator::new(&self.scenario, &self.model, &self.start.q)
+        self.scenario.simulator(&self.model, &self.start.q)
     }
 
     /// The robot as the controller knows it: whose dynamics its ticks want.

@@ -36,6 +36,11 @@ fn scenario() -> Scenario {
     scenario
 }
 
+fn batch(starts: &[Vec<f64>]) -> Result<Batch, legwork::error::Error> {
+    let (scenario, model) = (scenario(), humanoid());
+    Batch::new(&scenario.simulation, &scenario.pushes, &scenario.terrain(&model), &model, starts)
+}
+
 fn bits(robot: &Simulator) -> Vec<u64> {
     robot.q().iter().chain(robot.v()).chain(robot.contact_forces()).map(|value| value.to_bits()).collect()
 }
@@ -43,10 +48,10 @@ fn bits(robot: &Simulator) -> Vec<u64> {
 #[test]
 fn each_robot_moves_as_if_it_were_alone() {
     let (count, model, scenario) = (40, humanoid(), scenario());
-    let mut batch = Batch::new(&scenario, &model, &starts(count)).expect("valid starts");
+    let mut batch = batch(&starts(count)).expect("valid starts");
     let mut on_threads = batch.clone();
     let mut alone: Vec<Simulator> =
-        starts(count).iter().map(|q| Simulator::new(&scenario, &model, q).expect("a valid push")).collect();
+        starts(count).iter().map(|q| scenario.simulator(&model, q).expect("a valid push")).collect();
     let mut landed = 0;
     for step in 0..300 {
         let torques = torques(step, count);
@@ -66,7 +71,7 @@ fn each_robot_moves_as_if_it_were_alone() {
 
 #[test]
 fn a_batch_step_allocates_nothing() {
-    let mut batch = Batch::new(&scenario(), &humanoid(), &starts(8)).expect("valid starts");
+    let mut batch = batch(&starts(8)).expect("valid starts");
     let torques: Vec<Vec<f64>> = (0..200).map(|step| torques(step, 8)).collect();
     let allocations = allocation_counter::measure(|| {
         for torques in &torques {
@@ -80,7 +85,7 @@ fn a_batch_step_allocates_nothing() {
 fn a_bad_start_is_refused_with_its_place() {
     for (start, says) in [(vec![0.0; 6], "found 6 values; expected 7"), (vec![f64::NAN; 7], "found NaN")] {
         let starts = [vec![0.0; 7], start];
-        let error = Batch::new(&scenario(), &humanoid(), &starts).expect_err("a bad start").to_string();
+        let error = batch(&starts).expect_err("a bad start").to_string();
         assert!(error.contains("starts.1") && error.contains(says), "{error}");
     }
 }

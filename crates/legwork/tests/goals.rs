@@ -2,10 +2,10 @@
 
 use legwork::contact::friction_rows;
 use legwork::feet::FeetMotion;
+use legwork::generator::step::{Phase, StepMachine};
+use legwork::generator::{Observation, PointReference, Reference};
 use legwork::library;
 use legwork::planner::MotionReferencePlanner;
-use legwork::reference::step::{Phase, StepMachine};
-use legwork::reference::{Observation, PointReference, Reference};
 use legwork::scenario::{Damping, LeastStep, Replan, Scenario, StepSettings};
 use legwork::terrain::Terrain;
 use legwork_rbd::{Dynamics, Model};

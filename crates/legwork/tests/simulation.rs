@@ -34,7 +34,7 @@ fn humanoid() -> Model {
 }
 
 fn simulator(scenario: &Scenario, model: &Model, q: &[f64]) -> Simulator {
-    Simulator::new(scenario, model, q).expect("valid pushes")
+    scenario.simulator(model, q).expect("valid pushes")
 }
 
 /// Runs `seconds` with constant torques.

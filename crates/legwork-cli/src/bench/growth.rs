@@ -1,6 +1,6 @@
 //! How what a tick and a step take grows with degrees of freedom and with contact points.
 
-use legwork::control::Controller;
+use legwork::control::{Controller, MomentumController};
 use legwork::error::Error;
 use legwork::scenario::Scenario;
 use legwork::scenario_file;
@@ -78,8 +78,8 @@ pub(crate) struct Series {
 /// A robot that is being measured.
 struct Subject {
     size: usize,
+    scenario: Scenario,
     standing: Standing,
-    controller: Controller,
     simulator: Simulator,
     samples: [Samples; 5],
 }
@@ -98,14 +98,16 @@ pub(super) fn measure(clock: Clock, seconds: f64) -> Result<Option<Growth>, Erro
     let rounds = Rounds::new("growth", seconds);
     let mut done = 0;
     while rounds.go_on(done) {
-        groups.iter_mut().flatten().for_each(|subject| subject.round(clock));
+        groups.iter_mut().flatten().try_for_each(|subject| subject.round(clock))?;
         done += 1;
     }
     rounds.finish();
     if done == 0 {
         return Ok(None);
     }
-    let [by_dofs, by_contacts] = groups.map(|subjects| subjects.into_iter().map(Subject::row).collect());
+    let rows = |subjects: Vec<Subject>| subjects.into_iter().map(Subject::row).collect::<Result<Vec<Row>, Error>>();
+    let [by_dofs, by_contacts] = groups.map(rows);
+    let (by_dofs, by_contacts) = (by_dofs?, by_contacts?);
     let tables = vec![
         Table::new("degrees of freedom", "2 contact points".to_owned(), by_dofs, BY_DOFS),
         Table::new("contact points", "9 degrees of freedom".to_owned(), by_contacts, BY_CONTACTS),
@@ -141,40 +143,48 @@ impl Subject {
         let start = &standing.estimates[0];
         Ok(Self {
             size,
-            controller: Controller::new(scenario, &standing.model, &[], start)?,
-            simulator: Simulator::new(scenario, &standing.model, &start.q)?,
+            simulator: scenario.simulator(&standing.model, &start.q)?,
+            scenario: scenario.clone(),
             samples: Default::default(),
             standing,
         })
     }
 
-    fn round(&mut self, clock: Clock) {
+    /// A controller as it was before the first tick.
+    fn controller(&self) -> Result<MomentumController, Error> {
+        self.scenario.momentum_controller(&self.standing.model, &[], &self.standing.estimates[0])
+    }
+
+    fn round(&mut self, clock: Clock) -> Result<(), Error> {
         let Standing { model, estimates, torques } = &self.standing;
-        let [dynamics, _, assembly, solve, _] = replay::parts(clock, model, self.controller.clone(), estimates);
-        let tick = replay::ticks(clock, model, self.controller.clone(), estimates);
+        let [dynamics, _, assembly, solve, _] = replay::parts(clock, model, self.controller()?, estimates);
+        let tick = replay::ticks(clock, model, self.controller()?, estimates);
         let step = replay::steps(clock, self.simulator.clone(), torques, 1);
         let round = [dynamics, assembly, solve, tick, step];
         self.samples.iter_mut().zip(round).for_each(|(samples, round)| samples.push(round));
+        Ok(())
     }
 
-    fn row(mut self) -> Row {
+    fn row(mut self) -> Result<Row, Error> {
+        let mut controller = self.controller()?;
         let (mut iterations, mut sweeps) = (0, 0);
         let model = &self.standing.model;
         let mut dynamics = Dynamics::new(model);
         for (estimate, torques) in self.standing.estimates.iter().zip(&self.standing.torques) {
             dynamics.update(model, &estimate.q, &estimate.v);
-            iterations += self.controller.tick(estimate, &dynamics).iterations;
+            controller.tick(estimate, &dynamics);
+            iterations += controller.latest().program.iterations;
             self.simulator.step(torques);
             sweeps += self.simulator.contact_report().sweeps;
         }
         let mean = |total: u32| f64::from(total) / self.standing.estimates.len() as f64;
-        Row {
+        Ok(Row {
             size: self.size,
-            variables: self.controller.layout().variables(),
+            variables: controller.layout().variables(),
             times_us: self.samples.iter().map(|samples| samples.statistics().mean_us).collect(),
             sweeps: mean(sweeps),
             iterations: mean(iterations),
-        }
+        })
     }
 }
 

@@ -5,17 +5,18 @@
 
 use std::time::Instant;
 
-use legwork::control::{Controller, Estimate};
+use legwork::contract::Sensed;
+use legwork::control::{Controller, MomentumController};
 use legwork::sim::Simulator;
 use legwork_rbd::{Dynamics, Model};
 
 use super::machine::Clock;
 
-/// The dynamics, then the controller's [parts](legwork::control::Part).
+/// The dynamics, then the controller's [parts](legwork::momentum::Part).
 pub(super) const PARTS: [&str; 5] = ["dynamics", "references, goals", "assembly", "solve", "reading"];
 
 /// Duration of each tick, with the dynamics of its state [s].
-pub(super) fn ticks(clock: Clock, model: &Model, mut controller: Controller, estimates: &[Estimate]) -> Vec<f64> {
+pub(super) fn ticks(clock: Clock, model: &Model, mut controller: MomentumController, estimates: &[Sensed]) -> Vec<f64> {
     let mut dynamics = Dynamics::new(model);
     estimates
         .iter()
@@ -32,8 +33,8 @@ pub(super) fn ticks(clock: Clock, model: &Model, mut controller: Controller, est
 pub(super) fn parts(
     clock: Clock,
     model: &Model,
-    mut controller: Controller,
-    estimates: &[Estimate],
+    mut controller: MomentumController,
+    estimates: &[Sensed],
 ) -> [Vec<f64>; PARTS.len()] {
     let mut dynamics = Dynamics::new(model);
     let mut durations = PARTS.map(|_| vec![0.0; estimates.len()]);

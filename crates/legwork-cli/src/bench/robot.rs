@@ -5,10 +5,10 @@
 
 use std::fmt::Write;
 
-use legwork::control::Estimate;
+use legwork::contract::Sensed;
 use legwork::error::Error;
 use legwork::scenario::Scenario;
-use legwork::sim::Simulator;
+use legwork::sim::Plant;
 use legwork_rbd::{Dynamics, Model};
 
 /// Length of a thigh and of a shank [m]; height of the hips above the soles [m]; feet before and behind them [m].
@@ -41,7 +41,7 @@ pub(super) struct Standing {
     /// The robot.
     pub(super) model: Model,
     /// A state each [`Standing::torques`] is given in.
-    pub(super) estimates: Vec<Estimate>,
+    pub(super) estimates: Vec<Sensed>,
     /// Torques of the actuated joints [Nm].
     pub(super) torques: Vec<Vec<f64>>,
 }
@@ -105,16 +105,14 @@ impl Size {
     pub(super) fn stand(self, scenario: &Scenario, ticks: usize) -> Result<Standing, Error> {
         let model = self.model()?;
         let pose = Self::pose(&model);
-        let mut simulator = Simulator::new(scenario, &model, &pose)?;
+        let mut simulator = scenario.simulator(&model, &pose)?;
         let (mut estimates, mut torques) = (Vec::new(), Vec::new());
         for _ in 0..ticks {
-            let touching = (0..model.nc()).map(|contact| simulator.touching(contact)).collect();
-            let (q, v) = (simulator.q().to_vec(), simulator.v().to_vec());
-            let time = simulator.time();
-            let torque = holding(&model, simulator.dynamics(), &pose, &q, &v, time);
+            let mut sensed = Sensed::new(&model);
+            simulator.read(&mut sensed);
+            let torque = holding(&model, simulator.dynamics(), &pose, &sensed.q, &sensed.v, sensed.time);
             simulator.step(&torque);
-            let load = vec![0.0; model.nc()];
-            estimates.push(Estimate { time, q, v, touching, load });
+            estimates.push(sensed);
             torques.push(torque);
         }
         Ok(Standing { model, estimates, torques })

@@ -119,7 +119,7 @@ impl<'a> Poses<'a> {
         Self {
             run,
             skeleton: Skeleton::new(run),
-            ground: Terrain::of(&run.scenario, &run.model),
+            ground: run.scenario.terrain(&run.model),
             dynamics: Dynamics::new(&run.model),
         }
     }

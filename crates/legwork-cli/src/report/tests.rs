@@ -17,11 +17,11 @@ fn run_for(ticks: usize, scenario: &str, sets: &[&str], name: Option<&str>) -> R
     let model = library::load_model(&scenario.model, None).expect("a built-in model");
     let mut episode = Episode::new(&scenario, &model, &[]).expect("a valid scenario");
     for _ in 0..ticks {
-        if !episode.advance() {
+        if !episode.advance().expect("nothing that could fail") {
             break;
         }
     }
-    episode.finish(0.125)
+    episode.finish(0.125).expect("nothing that could fail")
 }
 
 fn fallen() -> Run {

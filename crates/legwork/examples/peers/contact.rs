@@ -4,15 +4,15 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
 
-use legwork::control::{Estimate, Fallback};
+use legwork::contract::{Command, Sensed};
+use legwork::control::{Controller, Fallback};
 use legwork::scenario_file;
-use legwork::sim::Simulator;
+use legwork::sim::Plant;
 use legwork::start::start_pose;
-use legwork::terrain::Terrain;
 use legwork_rbd::Dynamics;
 
 use crate::files::{Table, answer};
-use crate::programs::{recorded, say, sense};
+use crate::programs::{recorded, say, touching};
 
 /// Records a closed loop, a row a step: torques, q and v before it, q and v after it.
 pub(crate) fn record(scenario: &str, out: &Path) -> Result<(), Box<dyn Error>> {
@@ -27,15 +27,16 @@ pub(crate) fn record(scenario: &str, out: &Path) -> Result<(), Box<dyn Error>> {
         row.extend(simulator.q().iter().chain(simulator.v()));
         table.push(row);
     }
-    tell("steps", &recording.estimates.iter().collect::<Vec<&Estimate>>());
+    tell("steps", &recording.estimates.iter().collect::<Vec<&Sensed>>());
     Ok(table.write(out)?)
 }
 
 /// Says what the ground did in what was measured.
-fn tell(what: &str, estimates: &[&Estimate]) {
+fn tell(what: &str, estimates: &[&Sensed]) {
     let count = estimates.len();
-    let switches = estimates.windows(2).filter(|pair| pair[0].touching != pair[1].touching).count();
-    let contacts = estimates.iter().flat_map(|estimate| &estimate.touching).filter(|&&touching| touching).count();
+    let switches = estimates.windows(2).filter(|pair| touching(pair[0]) != touching(pair[1])).count();
+    let contacts: usize =
+        estimates.iter().map(|estimate| touching(estimate).iter().filter(|&&flag| flag).count()).sum();
     let mean = contacts as f64 / count as f64;
     say(&format!("{count} {what}, {switches} contact switches, {mean:.1} contact points on the ground in the mean"));
 }
@@ -44,7 +45,7 @@ fn tell(what: &str, estimates: &[&Estimate]) {
 pub(crate) fn start(scenario: &str, out: &Path) -> Result<(), Box<dyn Error>> {
     let loaded = scenario_file::load(scenario, &[])?;
     let model = loaded.model()?;
-    let q = start_pose(&loaded.scenario, &model, &Terrain::of(&loaded.scenario, &model))?;
+    let q = start_pose(&loaded.scenario, &model, &loaded.scenario.terrain(&model))?;
     let mut table = Table::new(q.len());
     table.push(q.iter().copied());
     Ok(table.write(out)?)
@@ -59,7 +60,7 @@ pub(crate) fn time(scenario: &str, steps: &Path, out: &Path) -> Result<(), Box<d
     let q = table.rows().next().ok_or("no steps")?[torques..torques + model.nq()].to_vec();
     let mut answers = Table::new(3 + model.nv());
     for warm_up in [true, false] {
-        let mut simulator = Simulator::new(&loaded.scenario, &model, &q)?;
+        let mut simulator = loaded.scenario.simulator(&model, &q)?;
         for row in table.rows().take(if warm_up { 200 } else { usize::MAX }) {
             let begin = Instant::now();
             let sound = simulator.step(&row[..torques]);
@@ -83,11 +84,14 @@ pub(crate) fn ticks(scenario: &str, out: &Path) -> Result<(), Box<dyn Error>> {
     for estimate in &recording.estimates {
         let begin = Instant::now();
         dynamics.update(recording.known(), &estimate.q, &estimate.v);
-        let tick = controller.tick(estimate, &dynamics);
+        controller.tick(estimate, &dynamics);
         let seconds = begin.elapsed().as_secs_f64();
-        let (solved, iterations) = (tick.fallback == Fallback::None, tick.iterations);
+        let (solved, iterations) = {
+            let program = &controller.latest().program;
+            (program.fallback == Fallback::None, program.iterations)
+        };
         // Only a foot in the air makes single support.
-        if scenario != "exo-lift" || controller.swing().is_some() {
+        if scenario != "exo-lift" || controller.reference().is_some_and(|reference| reference.swing.is_some()) {
             answers.push(answer(seconds, solved, iterations, []));
             measured.push(estimate);
         }
@@ -104,14 +108,14 @@ pub(crate) fn closed_loop(scenario: &str, out: &Path) -> Result<(), Box<dyn Erro
     let mut estimate = recording.estimates[0].clone();
     for _ in &recording.estimates {
         let begin = Instant::now();
-        sense(&simulator, &mut estimate);
-        let tick = controller.tick(&estimate, simulator.dynamics());
+        simulator.read(&mut estimate);
+        let command: Command = controller.tick(&estimate, simulator.dynamics()).clone();
         let control = begin.elapsed().as_secs_f64();
-        let sound = (0..recording.steps_per_tick).all(|_| simulator.step(&tick.solution.tau));
+        let sound = (0..recording.steps_per_tick).all(|_| simulator.step(&command.torque));
         let seconds = begin.elapsed().as_secs_f64();
         let state = simulator.q().iter().chain(simulator.v()).copied();
-        answers.push(answer(seconds, sound, tick.iterations, state.chain([control * 1e6])));
+        answers.push(answer(seconds, sound, controller.latest().program.iterations, state.chain([control * 1e6])));
     }
-    tell("ticks", &recording.estimates.iter().collect::<Vec<&Estimate>>());
+    tell("ticks", &recording.estimates.iter().collect::<Vec<&Sensed>>());
     Ok(answers.write(out)?)
 }

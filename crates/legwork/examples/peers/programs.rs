@@ -4,9 +4,10 @@
 use std::error::Error;
 use std::path::Path;
 
-use legwork::control::Estimate;
+use legwork::contract::Sensed;
+use legwork::control::Controller;
 use legwork::recording::Recording;
-use legwork::sim::Simulator;
+use legwork::sim::Plant;
 use legwork::{episode, scenario_file};
 use legwork_qp::Problem;
 
@@ -50,14 +51,9 @@ pub(crate) fn recorded(scenario: &str, sets: &[String], most: usize) -> Result<R
     }
 }
 
-/// The ideal sensors.
-pub(crate) fn sense(simulator: &Simulator, estimate: &mut Estimate) {
-    estimate.time = simulator.time();
-    estimate.q.copy_from_slice(simulator.q());
-    estimate.v.copy_from_slice(simulator.v());
-    for (contact, touching) in estimate.touching.iter_mut().enumerate() {
-        *touching = simulator.touching(contact);
-    }
+/// Which contact points touch the ground.
+pub(crate) fn touching(sensed: &Sensed) -> Vec<bool> {
+    sensed.contacts.iter().map(|contact| contact.touching).collect()
 }
 
 /// Records the programs "slack", "direct" (of the thesis's scenarios) or "humanoid", and says what happened in them.
@@ -76,11 +72,12 @@ pub(crate) fn record(which: &str, out: &Path) -> Result<(), Box<dyn Error>> {
         let recording = recorded(scenario, &sets, 1)?;
         let (mut controller, mut simulator) = (recording.controller()?, recording.simulator()?);
         let mut estimate = recording.estimates[0].clone();
-        let mut before = (estimate.touching.clone(), None);
+        let mut before = (touching(&estimate), None);
         for tick in 0..first + ticks {
-            sense(&simulator, &mut estimate);
+            simulator.read(&mut estimate);
             controller.tick(&estimate, simulator.dynamics());
-            let now = (estimate.touching.clone(), controller.swing().map(|(foot, _)| foot));
+            let swing = controller.reference().and_then(|reference| reference.swing);
+            let now = (touching(&estimate), swing.map(|swing| swing.foot));
             if tick >= first {
                 problems.push(controller.problem().clone());
                 switches += usize::from(now != before);

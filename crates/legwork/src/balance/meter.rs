@@ -5,9 +5,9 @@ use legwork_rbd::{Dynamics, Model};
 use super::{
     Capture, Centroidal, Planar, StepLimits, centre_of_pressure, centroidal_moment_pivot, margin, zero_moment_point,
 };
+use crate::generator::xcom::{eigenfrequency, xcom};
 use crate::log::{Field, Log};
-use crate::reference::xcom::{eigenfrequency, xcom};
-use crate::scenario::{Generator, Push, Scenario};
+use crate::scenario::{GeneratorKind, Push, Scenario};
 use crate::terrain::Terrain;
 
 /// The measures of a record, along x [m].
@@ -72,8 +72,8 @@ impl Meter {
     /// A meter for `model` in `scenario`.
     pub fn new(scenario: &Scenario, model: &Model) -> Self {
         Self {
-            ground: Terrain::of(scenario, model),
-            believed: Terrain::believed(scenario, model),
+            ground: scenario.terrain(model),
+            believed: scenario.believed_terrain(model),
             weight: model.total_mass() * model.gravity,
             gravity: model.gravity,
             limits: StepLimits::of(scenario),
@@ -84,34 +84,39 @@ impl Meter {
 
     /// The measures of record `index` of `log`. Allocates nothing.
     pub fn at(&self, log: &Log, index: usize) -> Measures {
-        let axes = log.range(Field::Com).len();
+        self.of(|field| log.get(index, field))
+    }
+
+    /// The measures of a record whose values are those that `get` gives. Allocates nothing.
+    pub fn of<'a>(&self, get: impl Fn(Field) -> &'a [f64]) -> Measures {
+        let axes = get(Field::Com).len();
         let planar = move |values: &[f64]| [values[0], values[axes - 1]];
-        let com = planar(log.get(index, Field::Com));
+        let com = planar(get(Field::Com));
         let ground = self.ground.line_at(com[0]);
-        let points = log.get(index, Field::Feet).chunks_exact(axes).map(planar);
-        let forces = log.get(index, Field::GrfSimulated).chunks_exact(axes).map(planar);
+        let points = get(Field::Feet).chunks_exact(axes).map(planar);
+        let forces = get(Field::GrfSimulated).chunks_exact(axes).map(planar);
         let force = forces.clone().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]);
-        let wanted = Centroidal::of_rows(log.get(index, Field::MomentumRateGoal));
+        let wanted = Centroidal::of_rows(get(Field::MomentumRateGoal));
         let wanted = wanted.of_ground(self.weight, &Centroidal::default());
         let omega = eigenfrequency(self.gravity, com[1] - ground.at(com[0]));
         Measures {
             cop: centre_of_pressure(&ground, self.weight, points.zip(forces)),
             cmp: centroidal_moment_pivot(&ground, self.weight, com, force),
             wanted_zmp: zero_moment_point(&ground, self.weight, com, &wanted),
-            xcom: xcom(com[0], log.get(index, Field::ComVelocity)[0], omega),
-            capture: self.capture(log, index, omega),
+            xcom: xcom(com[0], get(Field::ComVelocity)[0], omega),
+            capture: self.capture(get, omega),
         }
     }
 
-    fn capture(&self, log: &Log, index: usize, omega: f64) -> Option<Capture> {
-        let axes = log.range(Field::Com).len();
-        let touching = log.get(index, Field::Touching);
+    fn capture<'a>(&self, get: impl Fn(Field) -> &'a [f64], omega: f64) -> Option<Capture> {
+        let axes = get(Field::Com).len();
+        let touching = get(Field::Touching);
         let stands = |foot: usize| self.foot_of.iter().zip(touching).any(|(of, flag)| *of == foot && *flag > 0.5);
-        let points = || log.get(index, Field::Feet).chunks_exact(axes).map(|point| point[0]).enumerate();
+        let points = || get(Field::Feet).chunks_exact(axes).map(|point| point[0]).enumerate();
         let support = ends(points().filter(|(k, _)| touching[*k] > 0.5).map(|(_, x)| x))?;
         let feet = ends(points().filter(|(k, _)| stands(self.foot_of[*k])).map(|(_, x)| x))?;
-        let landing_s = match *log.get(index, Field::Swing) {
-            [foot, since] if foot >= 0.0 => (self.limits.swing_s - (log.time(index) - since)).max(0.0),
+        let landing_s = match *get(Field::Swing) {
+            [foot, since] if foot >= 0.0 => (self.limits.swing_s - (get(Field::Time)[0] - since)).max(0.0),
             _ => self.limits.double_support_s + self.limits.swing_s,
         };
         Some(Capture { omega, support, feet, limits: self.limits, landing_s })
@@ -167,23 +172,23 @@ impl Meter {
 impl StepLimits {
     /// What the steps of `scenario` may be at the most: one that stands, sways or lifts a foot takes none.
     pub fn of(scenario: &Scenario) -> Self {
-        let reference = &scenario.reference;
+        let reference = scenario.fitted_reference();
         match reference.generator {
             // A foot comes no further than that from where it was, hence from the other one.
-            Generator::Steps => Self {
+            GeneratorKind::Steps => Self {
                 longest: [reference.step.max_length_m; 2],
                 swing_s: reference.step.duration_s,
                 double_support_s: 0.0,
             },
-            Generator::Walker => {
-                let walker = reference.walker.for_stature(scenario.wearer.stature());
+            GeneratorKind::Walker => {
+                let walker = reference.walker;
                 Self {
                     longest: [walker.longest_back_m, walker.longest_m],
                     swing_s: walker.shortest_swing_s,
                     double_support_s: walker.double_support_s,
                 }
             }
-            Generator::Stance => Self { longest: [0.0; 2], swing_s: f64::INFINITY, double_support_s: 0.0 },
+            GeneratorKind::Stance => Self { longest: [0.0; 2], swing_s: f64::INFINITY, double_support_s: 0.0 },
         }
     }
 }

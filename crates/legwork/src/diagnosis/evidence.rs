@@ -6,11 +6,11 @@ use legwork_rbd::Model;
 
 use super::FirstCause;
 use super::reach::Steps;
-use crate::control::Fallback;
 use crate::feet::FootRows;
+use crate::generator::xcom;
 use crate::log::{Field, Log};
-use crate::qp::Layout;
-use crate::reference::xcom;
+use crate::momentum::Fallback;
+use crate::momentum::Layout;
 use crate::scenario::Scenario;
 use crate::terrain::Terrain;
 
@@ -54,7 +54,7 @@ pub(super) struct Evidence<'a> {
 impl<'a> Evidence<'a> {
     pub(super) fn new(scenario: &'a Scenario, model: &'a Model, log: &'a Log, layout: &Layout) -> Self {
         let axes = model.linear_axes().len();
-        let (ground, believed) = (Terrain::of(scenario, model), Terrain::believed(scenario, model));
+        let (ground, believed) = (scenario.terrain(model), scenario.believed_terrain(model));
         let (stretches, saturations) = (stretches(log), saturations(model, layout));
         let (feet, steps) = (FootRows::of(model), Steps::of(scenario, model));
         Self {
@@ -150,7 +150,7 @@ impl<'a> Evidence<'a> {
     }
 
     pub(super) fn energy_error(&self, i: usize) -> f64 {
-        self.log.get(i, Field::Energy)[2].abs()
+        self.log.get(i, Field::EnergyError)[0].abs()
     }
 
     /// Whether a limit is active.

@@ -167,7 +167,7 @@ pub(super) fn consequence(evidence: &Evidence<'_>, failure: &Failure) -> Option<
 mod tests {
     use super::*;
     use crate::episode::{self, Outcome, Run};
-    use crate::reference::xcom;
+    use crate::generator::xcom;
     use crate::{library, scenario_file};
 
     fn run(name: &str, set: &[&str]) -> Run {

@@ -10,8 +10,8 @@ use legwork_rbd::Model;
 use super::evidence::Evidence;
 use crate::balance::{Meter, margin};
 use crate::feet::Sole;
+use crate::generator::walker::{GRID_S, Motion};
 use crate::log::Field;
-use crate::reference::walker::{GRID_S, Motion};
 use crate::scenario::{Scenario, WalkerSettings};
 
 /// Largest acceleration on a quintic from rest to rest of 1 m in 1 s [m/s²]: 10/√3.
@@ -58,11 +58,7 @@ pub(super) struct Moment {
 
 impl WalkerSteps {
     pub(super) fn of(scenario: &Scenario, model: &Model) -> Self {
-        Self {
-            settings: scenario.reference.walker.for_stature(scenario.wearer.stature()),
-            sole: Sole::of(model),
-            meter: Meter::new(scenario, model),
-        }
+        Self { settings: scenario.fitted_reference().walker, sole: Sole::of(model), meter: Meter::new(scenario, model) }
     }
 
     /// Tick `i`, or in flight the last before it with a foot on the ground, if there is one.

@@ -15,11 +15,12 @@ mod reach;
 mod rules;
 mod words;
 
-use legwork_rbd::Model;
+use legwork_rbd::{Dynamics, Model};
 
+use crate::contract::Sensed;
 use crate::feet::pitched;
 use crate::scenario::Scenario;
-use crate::sim::Simulator;
+use crate::terrain::Terrain;
 pub use cause::{Diagnosis, Event, FirstCause, What};
 pub use rules::diagnose;
 
@@ -59,16 +60,21 @@ pub struct Fall {
     pub cause: Cause,
 }
 
-/// Whether the robot has fallen; `sound` is false where the simulator's numbers went out of bounds.
-pub fn fall(scenario: &Scenario, model: &Model, simulator: &Simulator, sound: bool) -> Option<Fall> {
+/// Whether the robot, of which there are model and dynamics, has fallen in the state `truth`; `sound` is false where the physics'
+/// numbers went out of bounds.
+pub fn fall(
+    scenario: &Scenario,
+    (model, dynamics): (&Model, &Dynamics),
+    ground: &Terrain,
+    truth: &Sensed,
+    sound: bool,
+) -> Option<Fall> {
     let settings = &scenario.fall;
-    let dynamics = simulator.dynamics();
-    let ground = simulator.ground();
-    let at = |cause| Some(Fall { time: simulator.time(), cause });
-    if !sound {
+    let at = |cause| Some(Fall { time: truth.time, cause });
+    if !sound || !truth.fits(model) {
         return at(Cause::OutOfBounds { joint: None });
     }
-    for (dof, &speed) in model.dofs.iter().zip(simulator.v()) {
+    for (dof, &speed) in model.dofs.iter().zip(&truth.v) {
         if dof.rotational && speed.abs() > settings.max_joint_speed_radps {
             return at(Cause::OutOfBounds { joint: Some((dof.name.clone(), speed)) });
         }

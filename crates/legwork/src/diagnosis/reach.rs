@@ -9,9 +9,9 @@ use legwork_rbd::Model;
 use super::What;
 use super::evidence::{Evidence, Stretch};
 use super::landing::{Landing, WalkerSteps};
+use crate::generator::{swing, xcom};
 use crate::log::Field;
-use crate::reference::{swing, xcom};
-use crate::scenario::{Generator, Scenario, StepSettings};
+use crate::scenario::{GeneratorKind, Scenario, StepSettings};
 
 /// The longest step that legs make, in heights of the CoM at the start: legs are about 1.05 of them long, and hips let
 /// down to 0.78 of them reach 0.7 behind and 0.7 ahead.
@@ -35,9 +35,9 @@ pub(super) enum Steps<'a> {
 impl<'a> Steps<'a> {
     pub(super) fn of(scenario: &'a Scenario, model: &Model) -> Self {
         match scenario.reference.generator {
-            Generator::Steps => Self::Machine(&scenario.reference.step),
-            Generator::Walker => Self::Walker(Box::new(WalkerSteps::of(scenario, model))),
-            Generator::Stance => Self::None,
+            GeneratorKind::Steps => Self::Machine(&scenario.reference.step),
+            GeneratorKind::Walker => Self::Walker(Box::new(WalkerSteps::of(scenario, model))),
+            GeneratorKind::Stance => Self::None,
         }
     }
 }

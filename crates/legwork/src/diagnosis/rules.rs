@@ -11,9 +11,9 @@ use super::evidence::{Evidence, Saturation, Stretch};
 use super::failure::{ASTRAY, Failure, Kind, consequence, failures};
 use super::reach::Steps;
 use super::{Cause, Diagnosis, Event, Fall, FirstCause, What, words};
-use crate::control::Fallback;
 use crate::log::Log;
-use crate::qp::Layout;
+use crate::momentum::Fallback;
+use crate::momentum::Layout;
 use crate::scenario::{ContactModel, Push, Scenario};
 
 /// What slid or saturated first is looked for from this long before the window on [s]: about a step earlier.

@@ -7,10 +7,11 @@ use legwork_rbd::Dynamics;
 use serde::Serialize;
 
 use super::statistics::root_mean_square;
-use crate::control::{Controller, Fallback};
+use crate::control::controller::Controller;
 use crate::episode::Run;
 use crate::error::Error;
 use crate::log::Field;
+use crate::momentum::Fallback;
 use crate::study::{Base, Variant};
 
 /// What a program did with the states and references of another run.
@@ -45,7 +46,7 @@ pub struct Replay {
 pub fn replay(run: &Run, sets: &[String]) -> Result<Replay, Error> {
     let name = run.scenario.name.clone();
     let Variant { scenario, model, samples } = Base::load(&name, sets)?.variant().clone();
-    let mut controller = Controller::new(&scenario, &model, &samples, &run.log.truth(0))?;
+    let mut controller = scenario.momentum_controller(&model, &samples, &run.log.truth(0))?;
     let mut dynamics = Dynamics::new(&model);
     let weight = model.total_mass() * model.gravity;
     let (angular, dimension) = (model.angular_axes().len(), model.linear_axes().len());
@@ -61,7 +62,7 @@ pub fn replay(run: &Run, sets: &[String]) -> Result<Replay, Error> {
         linear.extend_from_slice(&slack.momentum[angular..]);
         for foot in 0..model.feet.len() {
             let rows = controller.feet().rows(foot).linear.clone();
-            if controller.swing().is_some_and(|(swinging, _)| swinging == foot) {
+            if controller.reference().and_then(|reference| reference.swing).is_some_and(|swing| swing.foot == foot) {
                 swing.extend_from_slice(&slack.feet[rows.clone()]);
                 asked.extend_from_slice(&goal.foot_acceleration.as_slice()[rows]);
             } else {
@@ -70,7 +71,7 @@ pub fn replay(run: &Run, sets: &[String]) -> Result<Replay, Error> {
         }
         let torques = tick.solution.tau.iter().zip(run.log.get(index, Field::Torque));
         torque_difference_nm = torques.map(|(a, b)| (a - b).abs()).fold(torque_difference_nm, f64::max);
-        fallbacks += usize::from(tick.fallback != Fallback::None);
+        fallbacks += usize::from(tick.program.fallback != Fallback::None);
     }
     // The norm of the vectors, not of their components.
     let norm = |values: &[f64]| root_mean_square(values.iter().copied()) * (dimension as f64).sqrt();

@@ -3,10 +3,10 @@
 use serde::Serialize;
 
 use super::case::{Case, Gains};
-use crate::control::Fallback;
 use crate::episode::Run;
 use crate::error::Error;
 use crate::log::Field;
+use crate::momentum::Fallback;
 use crate::study::Rollout;
 use crate::study::rollout::simulate;
 use crate::study::{Base, Variant};

@@ -4,24 +4,22 @@
 //! [`crate::scenario_file`] for reading, `--set` and the checks, and [`crate::settings`] for unit, range and
 //! source of each value.
 
-mod controller;
-mod reference;
-mod simulation;
+use std::sync::Arc;
 
+use legwork_rbd::Model;
 use serde::{Deserialize, Serialize};
 
-use crate::wearer::PERSON;
+use crate::contract::Sensed;
+use crate::error::Error;
+use crate::generator::{self, Generator, Observation, Surroundings};
+use crate::momentum::MomentumController;
+use crate::sim::Simulator;
+use crate::terrain::Terrain;
+use crate::wearer::{self, PERSON};
 
-pub use controller::{
-    ControllerSettings, Damping, JointLimits, Limits, PlannerSettings, QpForm, Tracking, TrackingSettings, Weights,
-};
-pub use reference::{
-    Adaptation, ComSettings, CommandedSpeed, Generator, LeastStep, Lift, ReferenceSettings, Replan, StanceSettings,
-    StepSettings, TrajectoryKind, WalkerSettings,
-};
-pub use simulation::{
-    ActuatorSettings, ContactModel, ContactSettings, Integrator, Push, SensorSettings, SimulationSettings,
-};
+pub use legwork_contract::terrain::Ground;
+pub use legwork_control::settings::*;
+pub use legwork_sim::settings::*;
 
 /// Everything that one run depends on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -116,38 +114,6 @@ pub struct Start {
     pub torso_angle_deg: f64,
 }
 
-/// Ground: an inclined plane through the origin with Coulomb friction, and what differs from it; see
-/// [`crate::terrain::Terrain`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Ground {
-    /// Coefficient of friction.
-    pub friction: f64,
-    /// Slope, upward in x [deg].
-    pub slope_deg: f64,
-    /// Whether the controller is given the true friction and slope.
-    pub known: bool,
-    /// Rows `[x_m, z_m]` of heights above the plane, joined by straight lines, level before and after.
-    pub profile: Vec<[f64; 2]>,
-    /// Random heights on top of it: as much up and down [m].
-    pub unevenness_m: f64,
-    /// Distance of the points that have them, which straight lines join [m].
-    pub unevenness_spacing_m: f64,
-    /// Where they begin [m].
-    pub unevenness_from_m: f64,
-    /// Rows `[from_m, to_m, friction]` where the friction is another; of several the last counts.
-    pub patches: Vec<[f64; 3]>,
-    /// Whether the controller is given profile, unevenness and patches.
-    pub relief_known: bool,
-}
-
-impl Ground {
-    /// Whether the controller knows the ground's height everywhere.
-    pub fn height_is_known(&self) -> bool {
-        self.known && (self.relief_known || (self.profile.is_empty() && self.unevenness_m == 0.0))
-    }
-}
-
 /// When the robot counts as fallen; see [`crate::diagnosis`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -172,6 +138,65 @@ pub struct MetricsSettings {
     pub recovered_within_m: f64,
 }
 
+impl Scenario {
+    /// The true ground, as `model` meets it.
+    pub fn terrain(&self, model: &Model) -> Terrain {
+        Terrain::of(&self.ground, self.seed, model)
+    }
+
+    /// The ground that the controller believes in, as `model` meets it.
+    pub fn believed_terrain(&self, model: &Model) -> Terrain {
+        let assumed = [self.controller.assumed_friction, self.controller.assumed_slope_deg];
+        Terrain::believed(&self.ground, self.seed, assumed, model)
+    }
+
+    /// The reference generator's settings for the wearer's size.
+    pub fn fitted_reference(&self) -> ReferenceSettings {
+        let walker = self.reference.walker.for_stature(self.wearer.stature());
+        ReferenceSettings { walker, ..self.reference.clone() }
+    }
+
+    /// The generator for the robot `model`, which starts at `start`; `samples` are the rows of the CoM file, where there is one.
+    ///
+    /// # Errors
+    /// The robot is none that the generator can move, or the CoM trajectory is not valid.
+    pub fn generator(&self, model: &Model, samples: &[[f64; 3]], start: &Sensed) -> Result<Box<dyn Generator>, Error> {
+        let around = Surroundings {
+            model,
+            terrain: &self.believed_terrain(model),
+            height_is_known: self.ground.height_is_known(),
+            torso_angle: self.controller.planner.torso_angle_deg.to_radians(),
+        };
+        generator::make(&self.fitted_reference(), &around, samples, &Observation::of(model, start))
+    }
+
+    /// The momentum controller for the robot `model`, with the scenario's generator; see [`Scenario::generator`].
+    ///
+    /// # Errors
+    /// Those of [`Scenario::generator`].
+    pub fn momentum_controller(
+        &self,
+        model: &Model,
+        samples: &[[f64; 3]],
+        start: &Sensed,
+    ) -> Result<MomentumController, Error> {
+        Ok(self.momentum_controller_after(model, self.generator(model, samples, start)?))
+    }
+
+    /// The momentum controller for the robot `model`, which follows a `generator`.
+    pub fn momentum_controller_after(&self, model: &Model, generator: Box<dyn Generator>) -> MomentumController {
+        MomentumController::new(&wearer::controller(self, model), model, &self.believed_terrain(model), generator)
+    }
+
+    /// The simulator with the robot `model` at rest in `q` [rad, m].
+    ///
+    /// # Errors
+    /// A push that names an unknown body.
+    pub fn simulator(&self, model: &Model, q: &[f64]) -> Result<Simulator, Error> {
+        Simulator::new(&self.simulation, &self.pushes, self.terrain(model), Arc::new(model.clone()), q)
+    }
+}
+
 impl Default for Scenario {
     /// Standing still with the thesis's final design (Table 6.3); what the thesis does not give is from the
     /// fitted parameter set (docs/thesis.md).
@@ -192,17 +217,7 @@ impl Default for Scenario {
                 com_height_m: 0.885,
                 torso_angle_deg: -1.676873,
             },
-            ground: Ground {
-                friction: 0.85,
-                slope_deg: 0.0,
-                known: true,
-                profile: Vec::new(),
-                unevenness_m: 0.0,
-                unevenness_spacing_m: 0.3,
-                unevenness_from_m: 0.7,
-                patches: Vec::new(),
-                relief_known: false,
-            },
+            ground: Ground::default(),
             reference: ReferenceSettings::default(),
             controller: ControllerSettings::default(),
             simulation: SimulationSettings::default(),

@@ -4,7 +4,7 @@ use toml::Value;
 
 use super::draft::Draft;
 use crate::error::Error;
-use crate::scenario::{Generator, Scenario, TrajectoryKind};
+use crate::scenario::{GeneratorKind, Scenario, TrajectoryKind};
 use crate::settings::{SETTINGS, Setting, at};
 
 /// A log of more ticks would not fit into memory.
@@ -146,7 +146,7 @@ fn trajectory_conflict(scenario: &Scenario) -> Option<(&'static [&'static str], 
 
 /// A walk that no leg and no ground could bear.
 pub(crate) fn walker_conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
-    if scenario.reference.generator != Generator::Walker {
+    if scenario.reference.generator != GeneratorKind::Walker {
         return None;
     }
     let walker = &scenario.reference.walker;

@@ -5,7 +5,7 @@ use toml::Value;
 
 use crate::episode::{self, Episode};
 use crate::error::Error;
-use crate::scenario::{CommandedSpeed, Generator, Scenario};
+use crate::scenario::{CommandedSpeed, GeneratorKind, Scenario};
 use crate::scenario_file::{self, Loaded};
 use crate::settings::{self, Setting, Valid};
 use crate::wearer;
@@ -86,9 +86,9 @@ impl Base {
         }
         let (path, valid) = match (commanded, reference.generator) {
             (Some(zero), _) => (zero.path, "a speed that is not zero"),
-            (None, Generator::Steps) => ("reference.com.trajectory", "\"constant-velocity\" with a speed"),
-            (None, Generator::Walker) => ("reference.walker.speeds", "an empty list with a speed_mps"),
-            (None, Generator::Stance) => ("reference.generator", "\"steps\" or \"walker\" with a speed"),
+            (None, GeneratorKind::Steps) => ("reference.com.trajectory", "\"constant-velocity\" with a speed"),
+            (None, GeneratorKind::Walker) => ("reference.walker.speeds", "an empty list with a speed_mps"),
+            (None, GeneratorKind::Stance) => ("reference.generator", "\"steps\" or \"walker\" with a speed"),
         };
         let problem = format!("found a scenario that does not walk at a constant speed; valid is {valid}");
         Err(Error::invalid(format!("{}: {path}", self.name()), problem))

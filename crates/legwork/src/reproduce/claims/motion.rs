@@ -6,7 +6,7 @@ use super::{Source, Test, each};
 use crate::episode::Run;
 use crate::log::{Field, Log};
 use crate::metrics::com_error;
-use crate::qp::Layout;
+use crate::momentum::Layout;
 use crate::reproduce::case::{Case, Experiment, Gains, Reading};
 use crate::reproduce::evidence::Evidence;
 use crate::reproduce::sweep::figure;

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{Entry, Question, Table, replay_of};
 use crate::episode::Timing;
 use crate::error::Error;
-use crate::qp::Layout;
+use crate::momentum::Layout;
 use crate::reproduce::case::{Case, Gains};
 use crate::reproduce::evidence::Evidence;
 use crate::reproduce::replay::Replay;

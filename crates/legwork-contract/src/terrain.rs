@@ -1,0 +1,385 @@
+//! The ground: an inclined plane, what rises from it, and where it holds better or worse.
+//!
+//! Heights depend on x alone and are linear between knots, so that a point on it touches one straight piece. Controller and
+//! simulator each have their own: what the controller is not told it does not know.
+
+use legwork_rbd::Model;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+
+use crate::contact::Surface;
+
+/// Feet shorter than this meet the ground as a point does [m].
+const NARROW: f64 = 1e-3;
+
+/// A straight piece of the ground through the world's point `(x, z)` [m].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Line {
+    /// A place on it.
+    pub x: f64,
+    /// Its height there.
+    pub z: f64,
+    /// How it rises with x.
+    pub steepness: f64,
+}
+
+impl Line {
+    /// Height at `x` [m].
+    pub fn at(&self, x: f64) -> f64 {
+        self.z + self.steepness * (x - self.x)
+    }
+
+    /// The line through two points that are apart in x.
+    pub fn through([x, z]: [f64; 2], [other_x, other_z]: [f64; 2]) -> Self {
+        Self { x, z, steepness: (other_z - z) / (other_x - x) }
+    }
+
+    /// The line with the least squares of the heights that it misses `points` by, which are not all at one x.
+    pub fn fitted(points: &[[f64; 2]]) -> Self {
+        let share = 1.0 / points.len() as f64;
+        let [x, z] = points.iter().fold([0.0; 2], |[x, z], point| [x + share * point[0], z + share * point[1]]);
+        let (mut across, mut along) = (0.0, 0.0);
+        for point in points {
+            across += (point[0] - x) * (point[1] - z);
+            along += (point[0] - x) * (point[0] - x);
+        }
+        Self { x, z, steepness: across / along }
+    }
+}
+
+/// Ground: an inclined plane through the origin with Coulomb friction, and what differs from it; see
+/// [`Terrain`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Ground {
+    /// Coefficient of friction.
+    pub friction: f64,
+    /// Slope, upward in x [deg].
+    pub slope_deg: f64,
+    /// Whether the controller is given the true friction and slope.
+    pub known: bool,
+    /// Rows `[x_m, z_m]` of heights above the plane, joined by straight lines, level before and after.
+    pub profile: Vec<[f64; 2]>,
+    /// Random heights on top of it: as much up and down [m].
+    pub unevenness_m: f64,
+    /// Distance of the points that have them, which straight lines join [m].
+    pub unevenness_spacing_m: f64,
+    /// Where they begin [m].
+    pub unevenness_from_m: f64,
+    /// Rows `[from_m, to_m, friction]` where the friction is another; of several the last counts.
+    pub patches: Vec<[f64; 3]>,
+    /// Whether the controller is given profile, unevenness and patches.
+    pub relief_known: bool,
+}
+
+impl Ground {
+    /// Whether the controller knows the ground's height everywhere.
+    pub fn height_is_known(&self) -> bool {
+        self.known && (self.relief_known || (self.profile.is_empty() && self.unevenness_m == 0.0))
+    }
+}
+
+impl Default for Ground {
+    fn default() -> Self {
+        Self {
+            friction: 0.85,
+            slope_deg: 0.0,
+            known: true,
+            profile: Vec::new(),
+            unevenness_m: 0.0,
+            unevenness_spacing_m: 0.3,
+            unevenness_from_m: 0.7,
+            patches: Vec::new(),
+            relief_known: false,
+        }
+    }
+}
+
+/// The ground below a robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Terrain {
+    plane: Surface,
+    relief: Relief,
+    /// `[from, to, friction]`
+    patches: Vec<[f64; 3]>,
+}
+
+/// Heights above the plane [m].
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Relief {
+    /// `[x, z]`, by x; level before and after.
+    profile: Vec<[f64; 2]>,
+    /// Largest random height, the distance of its knots, and where it begins [m].
+    unevenness: f64,
+    spacing: f64,
+    from: f64,
+    seed: u64,
+}
+
+impl Terrain {
+    /// A plane through the world's origin as `model` meets it; `slope` upward in x [rad].
+    pub fn plane(model: &Model, friction: f64, slope: f64) -> Self {
+        Self { plane: Surface::new(model, friction, slope), relief: Relief::default(), patches: Vec::new() }
+    }
+
+    /// The true ground, as `model` meets it; `seed` is that of its unevenness.
+    pub fn of(ground: &Ground, seed: u64, model: &Model) -> Self {
+        Self {
+            relief: Relief {
+                profile: ground.profile.clone(),
+                unevenness: ground.unevenness_m,
+                spacing: ground.unevenness_spacing_m,
+                from: ground.unevenness_from_m,
+                seed,
+            },
+            patches: ground.patches.clone(),
+            ..Self::plane(model, ground.friction, ground.slope_deg.to_radians())
+        }
+    }
+
+    /// What the controller is told of it; for the rest it has what it assumes: a friction, and a slope [deg].
+    pub fn believed(ground: &Ground, seed: u64, assumed: [f64; 2], model: &Model) -> Self {
+        let [friction, slope_deg] = if ground.known { [ground.friction, ground.slope_deg] } else { assumed };
+        let plane = Self::plane(model, friction, slope_deg.to_radians());
+        if !ground.relief_known {
+            return plane;
+        }
+        Self { plane: plane.plane, ..Self::of(ground, seed, model) }
+    }
+
+    /// Its plane.
+    pub fn base(&self) -> &Surface {
+        &self.plane
+    }
+
+    /// Whether it is its plane everywhere.
+    pub fn is_plane(&self) -> bool {
+        self.is_even() && self.patches.is_empty()
+    }
+
+    /// Whether nothing rises from its plane.
+    pub fn is_even(&self) -> bool {
+        self.relief.profile.is_empty() && self.relief.unevenness == 0.0
+    }
+
+    /// Height below `x` [m].
+    pub fn height_at(&self, x: f64) -> f64 {
+        let plane = self.plane.height_at(x);
+        if self.is_even() { plane } else { plane + self.relief.at(x)[0] }
+    }
+
+    /// Coefficient of friction at `x` [m].
+    pub fn friction_at(&self, x: f64) -> f64 {
+        let patch = self.patches.iter().rev().find(|[from, to, _]| (*from..*to).contains(&x));
+        patch.map_or(self.plane.friction, |patch| patch[2])
+    }
+
+    /// What contact points at `points` [m] meet. Those of one foot (`foot_of` has it for each) share a slope, that of the line
+    /// through the ground below the foot's ends: a rigid foot that stands on both could not move along two normals.
+    pub fn below(&self, points: &[Vector3<f64>], foot_of: impl Fn(usize) -> usize, surfaces: &mut [Surface]) {
+        for (index, surface) in surfaces.iter_mut().enumerate() {
+            surface.friction = self.friction_at(points[index].x);
+            if self.is_even() {
+                continue;
+            }
+            let places =
+                (0..points.len()).filter(|&other| foot_of(other) == foot_of(index)).map(|other| points[other].x);
+            let ends = places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+            *surface = surface.inclined(libm::atan(self.steepness_between(ends)));
+        }
+    }
+
+    /// How the ground rises between two places [m].
+    fn steepness_between(&self, [from, to]: [f64; 2]) -> f64 {
+        if to - from < NARROW {
+            return self.plane.height_at(1.0) + self.relief.at(from)[1];
+        }
+        (self.height_at(to) - self.height_at(from)) / (to - from)
+    }
+
+    /// Distance of `point` from the ground below it, along the normal of the ground's plane [m]; negative inside.
+    pub fn gap(&self, point: &Vector3<f64>) -> f64 {
+        let gap = self.plane.normal.dot(point);
+        if self.is_even() { gap } else { gap - self.plane.normal.z * self.relief.at(point.x)[0] }
+    }
+
+    /// The line through the ground below `x` [m], inclined as the plane is.
+    pub fn line_at(&self, x: f64) -> Line {
+        Line { x, z: self.height_at(x), steepness: self.plane.height_at(1.0) }
+    }
+
+    /// What a sole lies on whose ends are `back` and `front` of `x` along it [m]: the line through the ground below both.
+    pub fn below_a_sole(&self, x: f64, [back, front]: [f64; 2]) -> Line {
+        if self.is_even() || front <= back {
+            return Line { x, z: self.height_at(x), steepness: self.steepness_between([x, x]) };
+        }
+        let mut line = self.line_at(x);
+        // The ends come closer as the sole is inclined.
+        for _ in 0..3 {
+            let across = 1.0 / libm::sqrt(1.0 + line.steepness * line.steepness);
+            let end = |way: f64| [x + way * across, self.height_at(x + way * across)];
+            line = Line::through(end(back), end(front));
+        }
+        Line { x, z: line.at(x), ..line }
+    }
+
+    /// Where its pieces begin and end between two places [m], the places themselves included.
+    pub fn knots(&self, [from, to]: [f64; 2]) -> Vec<f64> {
+        let mut knots = vec![from, to];
+        if !self.is_even() {
+            knots.extend(self.relief.profile.iter().map(|knot| knot[0]));
+            if self.relief.unevenness > 0.0 {
+                let spacing = self.relief.spacing;
+                let index = |x: f64| ((x - self.relief.from) / spacing).floor().max(0.0) as i64;
+                knots.extend((index(from)..=index(to)).map(|index| self.relief.from + index as f64 * spacing));
+            }
+        }
+        knots.retain(|knot| (from..=to).contains(knot));
+        knots.sort_by(f64::total_cmp);
+        knots.dedup();
+        knots
+    }
+}
+
+impl Relief {
+    /// Height and steepness at `x`.
+    fn at(&self, x: f64) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        let mut add = |[from, low]: [f64; 2], [to, high]: [f64; 2]| {
+            let steepness = (high - low) / (to - from);
+            sum = [sum[0] + low + steepness * (x - from), sum[1] + steepness];
+        };
+        let after = self.profile.iter().position(|knot| knot[0] > x);
+        match (after, self.profile.first(), self.profile.last()) {
+            (Some(0), Some(first), _) => add([x, first[1]], [x + 1.0, first[1]]),
+            (Some(after), ..) => add(self.profile[after - 1], self.profile[after]),
+            (None, _, Some(last)) => add([x, last[1]], [x + 1.0, last[1]]),
+            (None, ..) => {}
+        }
+        if self.unevenness > 0.0 && x >= self.from {
+            let index = ((x - self.from) / self.spacing).floor();
+            let knot = |index: f64| [self.from + index * self.spacing, self.random(index)];
+            add(knot(index), knot(index + 1.0));
+        }
+        sum
+    }
+
+    /// Height of a knot, none of the first: evenly distributed, a pure function of seed and index.
+    fn random(&self, index: f64) -> f64 {
+        if index == 0.0 {
+            return 0.0;
+        }
+        let bits = xxhash_rust::xxh3::xxh3_64_with_seed(&(index as i64).to_le_bytes(), self.seed);
+        // The upper 53 bits are a share of 1.
+        self.unevenness * (2.0 * ((bits >> 11) as f64 / (1u64 << 53) as f64) - 1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn robot() -> Model {
+        Model::from_toml(include_str!("../../../models/planar_humanoid_feet.toml"), "feet").expect("a sound model")
+    }
+
+    #[test]
+    fn a_fitted_line_goes_through_points_on_a_line_and_between_others() {
+        let line = Line { x: 1.0, z: 0.2, steepness: -0.3 };
+        let on_it = [-0.7, 0.4, 2.0, 2.1].map(|x| [x, line.at(x)]);
+        let found = Line::fitted(&on_it);
+        assert!((found.steepness - line.steepness).abs() < 1e-15 && (found.at(5.0) - line.at(5.0)).abs() < 1e-14);
+        // Lines beside the fitted one miss by more.
+        let points = [[0.0, 0.01], [0.5, -0.02], [1.1, 0.04], [1.4, 0.0]];
+        let best = Line::fitted(&points);
+        let missed = |line: &Line| points.iter().map(|[x, z]| (z - line.at(*x)).powi(2)).sum::<f64>();
+        for (dz, turn) in [(1e-3, 0.0), (-1e-3, 0.0), (0.0, 1e-3), (0.0, -1e-3), (1e-3, -1e-3)] {
+            let beside = Line { z: best.z + dz, steepness: best.steepness + turn, ..best };
+            assert!(missed(&beside) > missed(&best));
+        }
+    }
+
+    fn terrain(seed: u64, change: impl FnOnce(&mut Ground)) -> Terrain {
+        let mut ground = Ground::default();
+        change(&mut ground);
+        Terrain::of(&ground, seed, &robot())
+    }
+
+    fn uneven(seed: u64) -> Terrain {
+        terrain(seed, |ground| ground.unevenness_m = 0.02)
+    }
+
+    #[test]
+    fn uneven_ground_has_no_jumps_keeps_its_bounds_and_begins_where_it_is_told_to() {
+        let ground = uneven(3);
+        let at = |k: i32| f64::from(k) * 1e-3;
+        let heights: Vec<f64> = (-2000..20_000).map(|k| ground.height_at(at(k))).collect();
+        assert!(heights[..2700].iter().all(|&height| height == 0.0), "level up to 0.7 m");
+        assert!(heights.iter().all(|height| height.abs() <= 0.02));
+        // Knots 0.3 m apart differ by 0.04 m at most.
+        assert!(heights.windows(2).all(|pair| (pair[1] - pair[0]).abs() <= 1e-3 * 0.04 / 0.3 + 1e-12));
+        let mean = heights[2700..].iter().sum::<f64>() / heights[2700..].len() as f64;
+        let spread = heights[2700..].iter().map(|height| height * height).sum::<f64>() / heights[2700..].len() as f64;
+        // Even distribution at 64 knots: its variance is a third, between knots two thirds of that.
+        assert!(mean.abs() < 0.005 && (0.5..1.5).contains(&(spread / (0.0004 * 2.0 / 9.0))), "{mean} {spread}");
+        assert_ne!(uneven(4).height_at(2.0), ground.height_at(2.0));
+        assert_eq!(uneven(3).height_at(2.0), ground.height_at(2.0));
+    }
+
+    #[test]
+    fn a_profile_lies_on_the_slope() {
+        let ground = terrain(0, |ground| {
+            ground.slope_deg = 5.0;
+            ground.profile = vec![[1.0, 0.1], [2.0, 0.3]];
+        });
+        let slope = 5f64.to_radians().tan();
+        for (x, rise) in [(0.0, 0.1), (1.0, 0.1), (1.5, 0.2), (2.0, 0.3), (7.0, 0.3)] {
+            assert!((ground.height_at(x) - slope * x - rise).abs() < 1e-14, "at {x}: {}", ground.height_at(x));
+        }
+        assert_eq!(ground.knots([0.5, 1.5]), [0.5, 1.0, 1.5]);
+    }
+
+    #[test]
+    fn a_sole_lies_on_the_ground_below_its_ends() {
+        let ground = uneven(1);
+        for k in 0..100 {
+            let x = 1.0 + 0.05 * f64::from(k);
+            let line = ground.below_a_sole(x, [-0.065, 0.185]);
+            let across = 1.0 / (1.0 + line.steepness * line.steepness).sqrt();
+            for end in [-0.065, 0.185] {
+                let place = x + across * end;
+                assert!((line.at(place) - ground.height_at(place)).abs() < 1e-5, "{end} at {x}");
+            }
+        }
+    }
+
+    #[test]
+    fn points_of_a_foot_share_a_slope_and_have_their_own_friction() {
+        let ground = terrain(0, |ground| {
+            ground.profile = vec![[0.0, 0.0], [1.0, 0.5]];
+            ground.patches = vec![[0.0, 1.0, 0.3], [0.4, 0.6, 0.1]];
+        });
+        let points = [-0.1, 0.3, 0.5, 0.9].map(|x| Vector3::new(x, 0.0, 0.0));
+        let mut surfaces = [*ground.base(); 4];
+        ground.below(&points, |point| point / 2, &mut surfaces);
+        assert_eq!(surfaces.map(|surface| surface.friction), [ground.base().friction, 0.3, 0.1, 0.3]);
+        // From -0.1 m, still level, to 0.15 m of height at 0.3 m.
+        for (surface, steepness) in surfaces.iter().zip([0.375, 0.375, 0.5, 0.5]) {
+            assert!((libm::tan(surface.slope) - steepness).abs() < 1e-12, "{}", libm::tan(surface.slope));
+        }
+    }
+
+    #[test]
+    fn the_controller_is_told_what_it_is_meant_to_know() {
+        let (model, mut ground) = (robot(), Ground::default());
+        (ground.unevenness_m, ground.slope_deg) = (0.02, 4.0);
+        ground.patches = vec![[1.0, 2.0, 0.1]];
+        let believed = Terrain::believed(&ground, 0, [0.85, 0.0], &model);
+        assert!(believed.is_plane() && believed.base().slope > 0.06 && !ground.height_is_known());
+        ground.relief_known = true;
+        assert_eq!(Terrain::believed(&ground, 0, [0.85, 0.0], &model), Terrain::of(&ground, 0, &model));
+        ground.known = false;
+        let believed = Terrain::believed(&ground, 0, [0.85, 0.0], &model);
+        assert!(!believed.is_even() && believed.base().slope == 0.0 && believed.friction_at(1.5) == 0.1);
+    }
+}

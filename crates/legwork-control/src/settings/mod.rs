@@ -1,0 +1,12 @@
+//! The settings of controllers and reference generators.
+
+mod controller;
+mod reference;
+
+pub use controller::{
+    ControllerSettings, Damping, JointLimits, Limits, PlannerSettings, QpForm, Tracking, TrackingSettings, Weights,
+};
+pub use reference::{
+    Adaptation, ComSettings, CommandedSpeed, GeneratorKind, LeastStep, Lift, ReferenceSettings, Replan, StanceSettings,
+    StepSettings, TrajectoryKind, WalkerSettings,
+};

@@ -1,0 +1,153 @@
+//! The books of a run: whether the simulation obeyed the laws that it claims to.
+//!
+//! Energy is held against the work of all forces, the linear momentum against their impulses; penetration, friction
+//! cone, slip and the contact solver's residual are watched in every step.
+
+use legwork_rbd::Dynamics;
+use nalgebra::Vector3;
+
+use super::contact_solver::Report;
+use legwork_contract::contact::Surface;
+use legwork_contract::terrain::Terrain;
+
+/// Figures of a run so far, each the worst or the sum over all steps.
+#[derive(Clone, Debug, Default)]
+pub struct Audit {
+    /// Largest difference between the change of energy and the work done on the robot [J].
+    pub energy_error_j: f64,
+    /// Sum of the absolute work of joints, pushes and contacts [J]: what the energy error is to be held against.
+    pub work_j: f64,
+    /// Energy that contacts took away [J]: impacts and slip.
+    pub contact_loss_j: f64,
+    /// Largest difference between the change of linear momentum and the impulses, as velocity of the CoM [m/s].
+    pub momentum_error_mps: f64,
+    /// Deepest penetration of a contact point [m].
+    pub penetration_m: f64,
+    /// Largest excess of a tangential force over friction times normal force [N].
+    pub friction_excess_n: f64,
+    /// Strongest pull of the ground on a contact [N]: zero if the ground only pushes.
+    pub pull_n: f64,
+    /// Way that loaded contact points slipped [m], all together.
+    pub slip_m: f64,
+    /// Most sweeps of the contact solver in a step.
+    pub contact_sweeps: u32,
+    /// Largest residual of the contact solver, as force [N].
+    pub contact_residual_n: f64,
+    mass: f64,
+    energy_at_start: f64,
+    work: f64,
+    com_velocity_at_start: Vector3<f64>,
+    impulse: Vector3<f64>,
+}
+
+/// What one step did, but for its contacts.
+#[derive(Debug)]
+pub struct Step<'a> {
+    /// Generalized force of the joints' damping, which opposes the motion.
+    pub damping: &'a [f64],
+    /// Time step [s].
+    pub period: f64,
+    /// Acceleration of gravity [m/s²].
+    pub gravity: f64,
+    /// Velocities before and after.
+    pub v: [&'a [f64]; 2],
+    /// The coordinates that a motor drives.
+    pub actuated: &'a [usize],
+    /// Their torques [Nm].
+    pub torque: &'a [f64],
+    /// Sum of the pushes [N].
+    pub push: Vector3<f64>,
+    /// Generalized force of the pushes.
+    pub push_force: &'a [f64],
+    /// What the contact solver said.
+    pub report: Report,
+}
+
+impl Audit {
+    /// Opens the books in the state of `dynamics`.
+    pub(super) fn begin(&mut self, dynamics: &Dynamics, mass: f64) {
+        self.mass = mass;
+        self.energy_at_start = dynamics.kinetic_energy + dynamics.potential_energy;
+        self.com_velocity_at_start = dynamics.com_velocity;
+    }
+
+    /// Enters the work and the impulses of a step, but for its contacts.
+    pub(super) fn account(&mut self, step: &Step<'_>) {
+        let (dt, [before, after]) = (step.period, step.v);
+        let mean = |j: usize| 0.5 * (before[j] + after[j]);
+        // The kinetic energy at fixed configuration changes by exactly force · (v + v⁺)/2.
+        for (&dof, torque) in step.actuated.iter().zip(step.torque) {
+            self.enter(dt * torque * mean(dof));
+        }
+        self.enter((0..before.len()).map(|j| dt * step.push_force[j] * mean(j)).sum());
+        self.enter((0..before.len()).map(|j| -dt * step.damping[j] * mean(j)).sum());
+        self.impulse += step.push * dt - Vector3::z() * (self.mass * step.gravity * dt);
+        self.contact_sweeps = self.contact_sweeps.max(step.report.sweeps);
+        self.contact_residual_n = self.contact_residual_n.max(step.report.residual / dt);
+    }
+
+    /// Enters one contact of a step of `dt` [s]: its impulse [Ns] and its velocities before and after [m/s], all in
+    /// contact coordinates. Returns its work, which is for [`Audit::contact_work`].
+    #[inline]
+    pub(super) fn contact<const D: usize>(
+        &mut self,
+        ground: &Surface,
+        dt: f64,
+        impulse: &[f64; D],
+        [before, after]: [&[f64; D]; 2],
+    ) -> f64 {
+        let normal = impulse[D - 1];
+        let norm = |vector: &[f64; D]| vector[..D - 1].iter().map(|value| value * value).sum::<f64>().sqrt();
+        self.friction_excess_n = self.friction_excess_n.max((norm(impulse) - ground.friction * normal) / dt);
+        self.pull_n = self.pull_n.max(-normal / dt);
+        if normal > 0.0 {
+            self.slip_m += dt * norm(after);
+        }
+        for (direction, impulse) in ground.directions().zip(impulse) {
+            self.impulse += *direction * *impulse;
+        }
+        (0..D).map(|k| impulse[k] * 0.5 * (before[k] + after[k])).sum()
+    }
+
+    /// Enters the work of all contacts of a step [J].
+    pub(super) fn contact_work(&mut self, work: f64) {
+        self.enter(work);
+        self.contact_loss_j -= work;
+    }
+
+    fn enter(&mut self, work: f64) {
+        self.work += work;
+        self.work_j += work.abs();
+    }
+
+    /// Holds the state after the step against the books.
+    pub(super) fn close(&mut self, dynamics: &Dynamics, ground: &Terrain) {
+        let energy = dynamics.kinetic_energy + dynamics.potential_energy;
+        self.energy_error_j = self.energy_error_j.max((energy - self.energy_at_start - self.work).abs());
+        let momentum = self.mass * (dynamics.com_velocity - self.com_velocity_at_start);
+        self.momentum_error_mps = self.momentum_error_mps.max((momentum - self.impulse).norm() / self.mass);
+        for position in &dynamics.contact_positions {
+            self.penetration_m = self.penetration_m.max(-ground.gap(position));
+        }
+    }
+
+    /// Bounds that a sound run keeps, and which of them this one violated, in words.
+    ///
+    /// They hold for rigid contact at time steps of up to 1 ms (see docs/simulator.md); a coarser step or a soft ground
+    /// shows here.
+    pub fn violations(&self) -> Vec<String> {
+        let mut found = Vec::new();
+        let mut check = |what: &str, value: f64, bound: f64, unit: &str| {
+            if value.is_nan() || value > bound {
+                found.push(format!("{what}: {value:.3e} {unit}, more than {bound:.3e} {unit}"));
+            }
+        };
+        check("energy differs from the work done", self.energy_error_j, 1.0 + 0.02 * self.work_j, "J");
+        check("momentum differs from the impulses", self.momentum_error_mps, 0.1, "m/s");
+        check("penetration of the ground", self.penetration_m, 1e-3, "m");
+        check("tangential force over the friction cone", self.friction_excess_n, 1e-3, "N");
+        check("pull of the ground", self.pull_n, 1e-6, "N");
+        check("residual of the contact solver", self.contact_residual_n, 1e-3, "N");
+        found
+    }
+}

@@ -1,0 +1,338 @@
+//! The simulator: the state of one robot, advanced step by step.
+
+use std::sync::Arc;
+
+use legwork_contract::channel::{Channel, Field, Record};
+use legwork_contract::contract::{Command, Sensed};
+use legwork_contract::error::Error;
+use legwork_contract::names;
+use legwork_contract::terrain::Terrain;
+use legwork_rbd::{Dynamics, Model};
+
+use crate::actuators::Actuators;
+use crate::audit::{self, Audit};
+use crate::contact_solver::Report;
+use crate::plant::{Health, Plant};
+use crate::push::Pushes;
+use crate::settings::{Integrator, Push, SimulationSettings};
+use crate::velocity::VelocityStep;
+
+/// The simulated robot and its ground.
+#[derive(Clone, Debug)]
+pub struct Simulator {
+    body: Body,
+    velocity: Velocity,
+    period: Period,
+}
+
+/// What was measured in the latest control period.
+#[derive(Clone, Debug)]
+struct Period {
+    /// Mean contact forces along the linear axes [N].
+    forces: Vec<f64>,
+    /// Torques that acted in its last step [Nm].
+    torque: Vec<f64>,
+    /// Sweeps of the contact solver in its last step, and its residual [N].
+    contact: [f64; 2],
+    /// Error of the energy balance before it [J].
+    energy_error: f64,
+}
+
+impl Period {
+    fn begin(&mut self, energy_error: f64) {
+        self.forces.fill(0.0);
+        self.torque.fill(0.0);
+        (self.contact, self.energy_error) = ([0.0; 2], energy_error);
+    }
+}
+
+/// The step's equation in the plane or in space.
+#[derive(Clone, Debug)]
+enum Velocity {
+    Planar(VelocityStep<2, 3>),
+    Spatial(VelocityStep<3, 6>),
+}
+
+/// All but the step's equation.
+#[derive(Clone, Debug)]
+struct Body {
+    settings: SimulationSettings,
+    model: Arc<Model>,
+    actuated: Vec<usize>,
+    ground: Terrain,
+    pushes: Pushes,
+    actuators: Actuators,
+    step: u64,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    /// Dynamics in the present state.
+    state: Dynamics,
+    /// Dynamics where the step's forces are evaluated, for the midpoint rule; its first two stages only.
+    midpoint: Dynamics,
+    forces: Vec<f64>,
+    applied: Vec<f64>,
+    force: Vec<f64>,
+    push_force: Vec<f64>,
+    damping: Vec<f64>,
+    next_q: Vec<f64>,
+    next_v: Vec<f64>,
+    audit: Audit,
+}
+
+impl Simulator {
+    /// A robot at rest in `q` [rad, m] on the `ground`; many robots may share a model.
+    ///
+    /// # Errors
+    /// A push that names an unknown body.
+    pub fn new(
+        settings: &SimulationSettings,
+        pushes: &[Push],
+        ground: Terrain,
+        model: Arc<Model>,
+        q: &[f64],
+    ) -> Result<Self, Error> {
+        let settings = settings.clone();
+        let (nv, d, contacts) = (model.nv(), model.linear_axes().len(), model.contacts.len());
+        let actuated: Vec<usize> = model.actuated().collect();
+        let state = Dynamics::new(&model);
+        let velocity = if model.is_planar() {
+            Velocity::Planar(VelocityStep::new(&model, &state, &ground))
+        } else {
+            Velocity::Spatial(VelocityStep::new(&model, &state, &ground))
+        };
+        let mut body = Body {
+            ground,
+            pushes: Pushes::new(pushes, &model)?,
+            actuators: Actuators::new(&settings.actuators, &model, settings.period_s),
+            step: 0,
+            q: q.to_vec(),
+            v: vec![0.0; nv],
+            midpoint: state.clone(),
+            state,
+            forces: vec![0.0; contacts * d],
+            applied: vec![0.0; actuated.len()],
+            actuated,
+            force: vec![0.0; nv],
+            push_force: vec![0.0; nv],
+            damping: vec![0.0; nv],
+            next_q: q.to_vec(),
+            next_v: vec![0.0; nv],
+            audit: Audit::default(),
+            settings,
+            model,
+        };
+        body.state.update(&body.model, &body.q, &body.v);
+        body.audit.begin(&body.state, body.model.total_mass());
+        let (forces, torque) = (body.forces.clone(), body.applied.clone());
+        Ok(Self { body, velocity, period: Period { forces, torque, contact: [0.0; 2], energy_error: 0.0 } })
+    }
+
+    /// Time [s], to the nanosecond: 0.695 and not 0.6950000000000001.
+    pub fn time(&self) -> f64 {
+        self.body.time()
+    }
+
+    /// Joint positions [rad, m].
+    pub fn q(&self) -> &[f64] {
+        &self.body.q
+    }
+
+    /// Joint velocities [rad/s, m/s].
+    pub fn v(&self) -> &[f64] {
+        &self.body.v
+    }
+
+    /// Dynamics in the present state.
+    pub fn dynamics(&self) -> &Dynamics {
+        &self.body.state
+    }
+
+    /// The ground.
+    pub fn ground(&self) -> &Terrain {
+        &self.body.ground
+    }
+
+    /// Whether a contact point counts as touching the ground.
+    pub fn touching(&self, contact: usize) -> bool {
+        self.body.ground.gap(&self.body.state.contact_positions[contact]) <= self.body.settings.contact.flag_height_m
+    }
+
+    /// Contact forces of the latest step along the model's linear axes, averaged over it [N].
+    pub fn contact_forces(&self) -> &[f64] {
+        &self.body.forces
+    }
+
+    /// Torques of the actuated joints in the latest step [Nm].
+    pub fn applied_torques(&self) -> &[f64] {
+        &self.body.applied
+    }
+
+    /// Sweeps and residual of the latest contact solve.
+    pub fn contact_report(&self) -> Report {
+        match &self.velocity {
+            Velocity::Planar(velocity) => velocity.report,
+            Velocity::Spatial(velocity) => velocity.report,
+        }
+    }
+
+    /// The books of the run so far.
+    pub fn audit(&self) -> &Audit {
+        &self.body.audit
+    }
+
+    /// One step with the wanted torques of the actuated joints [Nm]. Returns false, and leaves the state as it was,
+    /// where the numbers are out of bounds.
+    pub fn step(&mut self, wanted: &[f64]) -> bool {
+        match &mut self.velocity {
+            Velocity::Planar(velocity) => self.body.step(velocity, wanted),
+            Velocity::Spatial(velocity) => self.body.step(velocity, wanted),
+        }
+    }
+}
+
+impl Plant for Simulator {
+    fn read(&self, sensed: &mut Sensed) {
+        let axes = self.body.model.linear_axes().len();
+        sensed.time = self.time();
+        sensed.q.copy_from_slice(&self.body.q);
+        sensed.v.copy_from_slice(&self.body.v);
+        for (index, contact) in sensed.contacts.iter_mut().enumerate() {
+            contact.touching = self.touching(index);
+            contact.load = self.period.forces[index * axes + axes - 1];
+        }
+    }
+
+    fn apply(&mut self, command: &Command, period: f64) -> Health {
+        self.period.begin(self.body.audit.energy_error_j);
+        let step = self.body.settings.period_s;
+        let steps = (period / step).round() as u64;
+        let share = 1.0 / steps as f64;
+        for _ in 0..steps {
+            if !self.step(&command.torque) {
+                return Health::OutOfBounds;
+            }
+            for (mean, force) in self.period.forces.iter_mut().zip(&self.body.forces) {
+                *mean += share * force;
+            }
+            self.period.torque.copy_from_slice(&self.body.applied);
+            let report = self.contact_report();
+            self.period.contact = [f64::from(report.sweeps), report.residual / step];
+        }
+        Health::Sound
+    }
+
+    fn dynamics(&self) -> Option<&Dynamics> {
+        Some(&self.body.state)
+    }
+
+    fn audit(&self) -> Option<&Audit> {
+        Some(&self.body.audit)
+    }
+
+    fn channels(&self) -> Vec<Channel> {
+        let model = &self.body.model;
+        [
+            Channel::all(Field::TorqueApplied, names::joints(model, "torque_applied", "Nm")),
+            Channel::all(Field::GrfSimulated, names::contacts(model, "grf_simulated", "N")),
+            Channel::all(Field::Contact, [("contact.sweeps", ""), ("contact.residual", "N")]),
+            Channel::all(Field::EnergyError, [("energy.error", "J")]),
+        ]
+        .concat()
+    }
+
+    fn record(&self, record: &mut Record<'_>) {
+        record.set(Field::TorqueApplied, self.period.torque.iter().copied());
+        record.set(Field::GrfSimulated, self.period.forces.iter().copied());
+        record.set(Field::Contact, self.period.contact);
+        record.set(Field::EnergyError, [self.period.energy_error]);
+    }
+
+    fn change(&mut self, settings: &SimulationSettings, ground: &Terrain) {
+        self.body.settings.contact = settings.contact.clone();
+        self.body.ground = ground.clone();
+        match &mut self.velocity {
+            Velocity::Planar(velocity) => velocity.stand_on(ground),
+            Velocity::Spatial(velocity) => velocity.stand_on(ground),
+        }
+    }
+}
+
+impl Body {
+    fn time(&self) -> f64 {
+        (self.step as f64 * self.settings.period_s * 1e9).round() / 1e9
+    }
+
+    fn step<const D: usize, const K: usize>(&mut self, velocity: &mut VelocityStep<D, K>, wanted: &[f64]) -> bool {
+        let time = self.time();
+        let Self { settings, model, ground, state, midpoint, .. } = self;
+        let dt = settings.period_s;
+        let is_midpoint = settings.integrator == Integrator::Midpoint;
+        self.applied.copy_from_slice(self.actuators.apply(wanted));
+
+        // Moreau 1988: forces and contacts are those of the configuration half a step ahead.
+        let ahead = if is_midpoint { 0.5 * dt } else { 0.0 };
+        let rest = dt - ahead;
+        model.integrate(&self.q, &self.v, ahead, &mut self.next_q);
+        if is_midpoint {
+            midpoint.update_position(model, &self.next_q);
+            midpoint.update_bias(model, &self.v);
+        }
+        let dynamics = if is_midpoint { &*midpoint } else { &*state };
+        if !velocity.prepare(settings, ground, dynamics, rest) {
+            return false;
+        }
+        self.push_force.fill(0.0);
+        let push = self.pushes.add(dynamics, time, dt, &mut self.push_force);
+        self.damping.copy_from_slice(dynamics.damping.as_slice());
+        for j in 0..self.v.len() {
+            self.force[j] = self.push_force[j] - dynamics.bias[j] - dynamics.damping[j];
+        }
+        for (&dof, torque) in self.actuated.iter().zip(&self.applied) {
+            self.force[dof] += torque;
+        }
+        velocity.solve(settings, &self.v, &self.force, &mut self.next_v);
+
+        if is_midpoint && in_bounds(&self.next_v) {
+            // Velocity-dependent forces are the mean of those before and after the step. Without it every impact would
+            // leave an error of first order in the momentum.
+            for j in 0..self.v.len() {
+                self.force[j] += 0.5 * (midpoint.bias[j] + midpoint.damping[j]);
+                self.damping[j] *= 0.5;
+            }
+            midpoint.update_bias(model, &self.next_v);
+            for j in 0..self.v.len() {
+                self.force[j] -= 0.5 * (midpoint.bias[j] + midpoint.damping[j]);
+                self.damping[j] += 0.5 * midpoint.damping[j];
+            }
+            velocity.solve(settings, &self.v, &self.force, &mut self.next_v);
+        }
+        if !in_bounds(&self.next_v) {
+            velocity.forget();
+            return false;
+        }
+
+        self.audit.account(&audit::Step {
+            period: dt,
+            v: [&self.v, &self.next_v],
+            actuated: &self.actuated,
+            torque: &self.applied,
+            damping: &self.damping,
+            push,
+            push_force: &self.push_force,
+            gravity: model.gravity,
+            report: velocity.report,
+        });
+        velocity.account(model, dt, &mut self.audit, &mut self.forces);
+        model.integrate(&self.next_q, &self.next_v, rest, &mut self.q);
+        self.v.copy_from_slice(&self.next_v);
+        self.step += 1;
+        state.update(model, &self.q, &self.v);
+        self.audit.close(state, ground);
+        true
+    }
+}
+
+/// Whether velocities are numbers that physics could have made.
+fn in_bounds(v: &[f64]) -> bool {
+    v.iter().all(|value| value.is_finite() && value.abs() < 1e6)
+}
