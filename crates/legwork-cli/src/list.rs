@@ -3,9 +3,9 @@
 use legwork::error::Error;
 use legwork::scenario::Scenario;
 use legwork::settings::{SETTINGS, Setting};
-use legwork::study::Study;
 use legwork::{library, scenario_file};
 use legwork_rbd::Model;
+use legwork_study::Study;
 use serde_json::{Value, json};
 
 use crate::args::{ListArgs, Listing, ShowArgs};

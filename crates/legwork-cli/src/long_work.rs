@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use legwork::study::parallel::run_all;
+use legwork_study::parallel::run_all;
 use serde::Serialize;
 
 use crate::output::{Failure, Output, say};

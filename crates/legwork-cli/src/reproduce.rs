@@ -5,11 +5,11 @@ use std::fs;
 use std::process::ExitCode;
 
 use legwork::error::Error;
-use legwork::reproduce::case::Reading;
-use legwork::reproduce::claims::Verdict;
-use legwork::reproduce::words::with_unit;
-use legwork::reproduce::{self, Reproduction, files};
-use legwork::study::parallel;
+use legwork_study::parallel;
+use legwork_thesis::case::Reading;
+use legwork_thesis::claims::Verdict;
+use legwork_thesis::words::with_unit;
+use legwork_thesis::{Reproduction, files};
 
 use crate::args::ReproduceArgs;
 use crate::long_work::{INTERRUPTED, Progress, interrupted, listen_for_interrupt};
@@ -24,8 +24,8 @@ pub(crate) fn reproduce(options: &ReproduceArgs, output: &mut Output) -> Result<
     fs::create_dir_all(folder).map_err(|error| Error::io(folder, &error))?;
     check_writable(&folder.join(RESULTS))?;
     listen_for_interrupt();
-    let bar = Progress::new("reproduce", reproduce::amount()?, "{percent} %");
-    let run = || reproduce::run(|done| bar.tell(done), interrupted);
+    let bar = Progress::new("reproduce", legwork_thesis::amount()?, "{percent} %");
+    let run = || legwork_thesis::run(|done| bar.tell(done), interrupted);
     let result = parallel::with_threads(options.threads.map(usize::from), run)?;
     bar.finish();
     let Some(reproduction) = result? else {

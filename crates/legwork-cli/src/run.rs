@@ -4,10 +4,10 @@ use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use legwork::episode::{Episode, Outcome, Run};
+use legwork::episode::{Episode, Outcome, Parts, Run};
 use legwork::error::Error;
 use legwork::scenario::Scenario;
-use legwork::{episode, log_file, scenario_file};
+use legwork::{clock, episode, log_file, scenario_file};
 use legwork_rbd::Model;
 
 use crate::args::RunArgs;
@@ -139,7 +139,8 @@ impl Job {
     fn run(&self) -> Result<Run, Error> {
         let length = (self.scenario.duration_s * 1e3) as u64;
         let bar = Progress::new(&self.label, length, "{percent} % simulated");
-        let run = episode::run(&self.scenario, &self.model, &self.samples, |time| {
+        let parts = Parts { samples: self.samples.clone(), clock: Some(clock::system), ..Parts::default() };
+        let run = episode::run_with(&self.scenario, &self.model, parts, |time| {
             bar.tell((time * 1e3) as u64);
             interrupted()
         });

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use legwork::error::Error;
-use legwork::study::parallel::{self, run_chunks};
-use legwork::study::results::{self, Results};
-use legwork::study::store::{self, Shard, Store};
-use legwork::study::{Rollout, Study};
+use legwork_study::parallel::{self, run_chunks};
+use legwork_study::results::{self, Results};
+use legwork_study::store::{self, Shard, Store};
+use legwork_study::{Rollout, Study};
 
 use crate::args::{MergeArgs, StudyArgs};
 use crate::long_work::{INTERRUPTED, Progress, interrupted, listen_for_interrupt};

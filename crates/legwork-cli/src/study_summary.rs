@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 
 use legwork::error::Error;
-use legwork::study::design::Design;
-use legwork::study::results::{Endings, Results, SURVIVED};
-use legwork::study::sensitivity::{Bootstrap, Estimate};
-use legwork::study::{Ending, Level};
+use legwork_study::design::Design;
+use legwork_study::results::{Endings, Results, SURVIVED};
+use legwork_study::sensitivity::{Bootstrap, Estimate};
+use legwork_study::{Ending, Level};
 use serde_json::{Map, Value, json};
 
 use crate::output::folded;
@@ -183,8 +183,7 @@ pub(crate) fn json(results: &Results) -> Result<Value, Error> {
             }
             Design::Saltelli { .. } => {
                 let metrics = results.sobol(number, &BOOTSTRAP)?;
-                let entry =
-                    |s: &legwork::study::results::Sensitivity| json!({ "metric": s.metric, "sobol": s.indices });
+                let entry = |s: &legwork_study::results::Sensitivity| json!({ "metric": s.metric, "sobol": s.indices });
                 scenario.insert("metrics".into(), metrics.iter().map(entry).collect());
             }
             Design::Morris { .. } => {
@@ -221,7 +220,7 @@ pub(crate) fn json(results: &Results) -> Result<Value, Error> {
 }
 
 fn sweep_json(results: &Results, base: usize, factor: usize) -> Value {
-    let entry = |(level, row): &(Level, &legwork::study::results::Row)| {
+    let entry = |(level, row): &(Level, &legwork_study::results::Row)| {
         let metrics = results.study.metrics.iter().cloned().zip(row.metrics.iter().map(|value| json!(value)));
         json!({
             "level": level,

@@ -2,9 +2,9 @@
 
 use legwork::episode::{Outcome, Run};
 use legwork::metrics::MeanPeak;
-use legwork::published::{self, Row};
 use legwork::scenario::Scenario;
 use legwork::scenario_file;
+use legwork_thesis::published::{self, Row};
 use serde_json::{Value, json};
 
 use crate::output::folded;

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use legwork::error::Error;
-use legwork::study::parallel;
-use legwork::study::tune::{Comparison, Stop, Tuned, Tuning};
+use legwork_study::parallel;
+use legwork_study::tune::{Comparison, Stop, Tuned, Tuning};
 
 use crate::args::TuneArgs;
 use crate::long_work::{INTERRUPTED, Progress, interrupted, listen_for_interrupt};

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use legwork::study::Rollout;
-use legwork::study::tune::{Comparison, Score, Stop, Tuned, Tuning};
+use legwork_study::Rollout;
+use legwork_study::tune::{Comparison, Score, Stop, Tuned, Tuning};
 use serde_json::{Map, Value, json};
 
 use crate::output::folded;

@@ -12,7 +12,7 @@ use legwork::contract::Sensed;
 use legwork::control::{Controller, MomentumController};
 use legwork::recording::Recording;
 use legwork::sim::Simulator;
-use legwork::study::{Base, rollout};
+use legwork::{episode, scenario_file};
 use legwork_rbd::{Dynamics, Model};
 
 /// Ticks before the first that is counted, and how many are: half a second.
@@ -107,8 +107,9 @@ fn updates(file: &str) -> Result<usize, Box<dyn Error>> {
 fn record(scenario: &str, sets: &[&str]) -> Result<Recording, Box<dyn Error>> {
     let mut sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
     sets.push("duration_s=0.6".to_owned());
-    let base = Base::load(scenario, &sets)?;
-    let run = rollout::simulate(base.variant(), || false)?;
+    let loaded = scenario_file::load(scenario, &sets)?;
+    let samples = loaded.samples()?;
+    let run = episode::run(&loaded.scenario, &loaded.model()?, &samples, |_| false)?;
     assert_eq!(run.log.len(), WARM_UP + TICKS, "ticks of {scenario}");
-    Ok(Recording::of(&run, &base.variant().samples))
+    Ok(Recording::of(&run, &samples))
 }

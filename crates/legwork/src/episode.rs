@@ -505,7 +505,7 @@ pub fn run_with(
 }
 
 /// Hash of everything that a run depends on: of what is in the files that a scenario names, not of where they lie.
-pub(crate) fn input_hash(scenario: &Scenario, model: &Model, samples: &[[f64; 3]]) -> u128 {
+pub fn input_hash(scenario: &Scenario, model: &Model, samples: &[[f64; 3]]) -> u128 {
     let mut scenario = scenario.clone();
     for name in [&mut scenario.name, &mut scenario.description, &mut scenario.model] {
         name.clear();

@@ -16,10 +16,13 @@
 //! ```
 
 pub mod balance;
+#[cfg(feature = "clock")]
+pub mod clock;
 pub mod diagnosis;
 pub mod episode;
 pub mod library;
 pub mod log;
+#[cfg(feature = "files")]
 pub mod log_file;
 pub mod metrics;
 mod record;
@@ -30,11 +33,6 @@ pub mod settings;
 pub mod sink;
 pub mod start;
 pub mod wearer;
-
-// To be moved out of this crate.
-pub mod published;
-pub mod reproduce;
-pub mod study;
 
 pub use legwork_contract::{channel, contact, contract, error, feet, names, terrain};
 pub use legwork_control as control;

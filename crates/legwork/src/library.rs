@@ -1,6 +1,7 @@
 //! The built-in models, scenarios, studies and tunings, and the data files that a scenario may name.
 
-use std::path::Path;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 
 use legwork_rbd::{Base, Model};
 
@@ -147,13 +148,80 @@ pub fn load_model_with_base(name_or_path: &str, folder: Option<&Path>, base: Opt
     Ok(Model::load_with_base(&path, base)?)
 }
 
+/// The kinds of files of which some are built in, beside the models.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// What is simulated.
+    Scenario,
+    /// Many runs of scenarios.
+    Study,
+    /// A search for better settings of scenarios.
+    Tuning,
+}
+
+impl Kind {
+    fn entries(self) -> &'static [Entry] {
+        match self {
+            Self::Scenario => SCENARIOS,
+            Self::Study => STUDIES,
+            Self::Tuning => TUNINGS,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Scenario => "scenario",
+            Self::Study => "study",
+            Self::Tuning => "tuning",
+        }
+    }
+}
+
+/// The text of a file, or of what is built in.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Document {
+    /// Its text.
+    pub text: Cow<'static, str>,
+    /// What to call it in messages.
+    pub file_name: String,
+    /// The path of the file; none of what is built in.
+    pub path: Option<PathBuf>,
+}
+
+impl Document {
+    /// The folder of the file, which relative paths in it start from; none of what is built in.
+    pub fn folder(&self) -> Option<&Path> {
+        self.path.as_deref().and_then(Path::parent)
+    }
+}
+
+/// Finds what is built in under this name, or else reads the file; a relative path is one from `folder`, where there is one.
+///
+/// # Errors
+/// Nothing of this kind is called so (names what is near), or the file cannot be read.
+pub fn open(kind: Kind, name_or_path: &str, folder: Option<&Path>) -> Result<Document, Error> {
+    if let Some(text) = text(kind.entries(), name_or_path) {
+        return Ok(Document { text: text.into(), file_name: format!("built-in {name_or_path}.toml"), path: None });
+    }
+    let path = folder.unwrap_or(Path::new("")).join(name_or_path);
+    if !path.exists() {
+        let problem = not_found(kind.name(), name_or_path, kind.entries().iter().map(|entry| entry.0));
+        return Err(if is_mere_name(name_or_path) {
+            Error::invalid(kind.name(), problem)
+        } else {
+            Error::Io { path, problem }
+        });
+    }
+    Ok(Document { text: read_text(&path)?.into(), file_name: path.display().to_string(), path: Some(path) })
+}
+
 /// Whether a text can only be the name of something built in, and no path.
-pub(crate) fn is_mere_name(text: &str) -> bool {
+fn is_mere_name(text: &str) -> bool {
     !text.contains(['/', '\\', '.'])
 }
 
 /// That nothing has this name, with what does: `kind` is "model" or "scenario".
-pub(crate) fn not_found(kind: &str, name: &str, names: impl Iterator<Item = &'static str>) -> String {
+fn not_found(kind: &str, name: &str, names: impl Iterator<Item = &'static str>) -> String {
     let names: Vec<_> = names.collect();
     let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
     let likeness = |known: &str| strsim::jaro_winkler(&stem, known);
@@ -168,7 +236,7 @@ pub(crate) fn not_found(kind: &str, name: &str, names: impl Iterator<Item = &'st
 }
 
 /// A whole text file.
-pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
+fn read_text(path: &Path) -> Result<String, Error> {
     let bytes = std::fs::read(path).map_err(|error| Error::io(path, &error))?;
     String::from_utf8(bytes).map_err(|error| {
         let offset = error.utf8_error().valid_up_to();

@@ -84,7 +84,7 @@ mod tests {
     use legwork_rbd::Dynamics;
 
     use super::*;
-    use crate::study::{Base, rollout};
+    use crate::{episode, scenario_file};
 
     #[test]
     fn controller_and_simulator_do_again_what_they_did() {
@@ -92,8 +92,9 @@ mod tests {
         let other = ["simulation.model_error=0.05", "seed=3", "duration_s=1"];
         for sets in [&noisy[2..], &noisy, &other] {
             let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
-            let base = Base::load("push", &sets).expect("it is built in");
-            let run = rollout::simulate(base.variant(), || false).expect("it can be run");
+            let loaded = scenario_file::load("push", &sets).expect("it is built in");
+            let model = loaded.model().expect("it is built in");
+            let run = episode::run(&loaded.scenario, &model, &[], |_| false).expect("it can be run");
             let recording = Recording::of(&run, &[]);
             let (mut controller, mut simulator) = (recording.controller().unwrap(), recording.simulator().unwrap());
             let mut dynamics = Dynamics::new(recording.known());

@@ -15,7 +15,7 @@ mod text;
 use std::process::ExitCode;
 
 use legwork::error::Error;
-use legwork::study::Base;
+use legwork_study::Base;
 use serde::Serialize;
 
 use crate::args::BenchArgs;

@@ -7,8 +7,8 @@ use legwork::episode::{Outcome, Run};
 use legwork::error::Error;
 use legwork::log::Field;
 use legwork::recording::Recording;
-use legwork::study::parallel::{run_all, with_threads};
-use legwork::study::{Base, Variant, rollout};
+use legwork_study::parallel::{run_all, with_threads};
+use legwork_study::{Base, Variant, rollout};
 use serde::Serialize;
 
 use super::machine::Clock;

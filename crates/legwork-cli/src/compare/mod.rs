@@ -7,11 +7,11 @@ use std::process::ExitCode;
 
 use legwork::error::Error;
 use legwork::scenario::CommandedSpeed;
-use legwork::study::Base;
-use legwork::study::comparison::{Gait, PERSON, Person};
-use legwork::study::parallel::with_threads;
-use legwork::study::robustness::{Cell, Plan, Robustness, Stride};
-use legwork::study::sizing::{Pair, Sizing, Use};
+use legwork_study::Base;
+use legwork_study::comparison::{Gait, PERSON, Person};
+use legwork_study::parallel::with_threads;
+use legwork_study::robustness::{Cell, Plan, Robustness, Stride};
+use legwork_study::sizing::{Pair, Sizing, Use};
 use serde::Serialize;
 
 use crate::args::CompareArgs;

@@ -1,6 +1,6 @@
 //! The tables of `compare` for people.
 
-use legwork::study::comparison::{Figures, Person};
+use legwork_study::comparison::{Figures, Person};
 
 use super::{Report, Robot};
 use crate::limits::text::{map, shorter, sizing};

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use legwork::error::Error;
-use legwork::study::sizing::{Demand, Use};
+use legwork_study::sizing::{Demand, Use};
 use serde::Serialize;
 
 use super::Report;

@@ -6,11 +6,11 @@ pub(crate) mod text;
 use std::process::ExitCode;
 
 use legwork::error::Error;
-use legwork::study::limits::{self, Answer, Question};
-use legwork::study::parallel::with_threads;
-use legwork::study::robustness::{Cell, Plan, Robustness, Stride};
-use legwork::study::sizing::{Pair, Sizing, SpeedTorque, Use};
-use legwork::study::{Base, rollout};
+use legwork_study::limits::{self, Answer, Question};
+use legwork_study::parallel::with_threads;
+use legwork_study::robustness::{Cell, Plan, Robustness, Stride};
+use legwork_study::sizing::{Pair, Sizing, SpeedTorque, Use};
+use legwork_study::{Base, rollout};
 use serde::Serialize;
 
 use crate::args::{LimitsArgs, Part};

@@ -1,8 +1,8 @@
 //! The tables of `limits` for people.
 
-use legwork::study::limits::Answer;
-use legwork::study::search::Found;
-use legwork::study::sizing::{Coping, Demand, Pair, Sizing};
+use legwork_study::limits::Answer;
+use legwork_study::search::Found;
+use legwork_study::sizing::{Coping, Demand, Pair, Sizing};
 
 use super::{Report, RobustnessMap};
 use crate::output::folded;

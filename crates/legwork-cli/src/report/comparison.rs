@@ -1,6 +1,6 @@
 //! The page of `legwork compare`: two robots beside each other and a person.
 
-use legwork::study::comparison::Figures as Walk;
+use legwork_study::comparison::Figures as Walk;
 use maud::{Markup, html};
 
 use super::charts::axis::Quantity;

@@ -1,8 +1,8 @@
 //! The page of `legwork limits`: how far things can go, from where a push may come, and what the actuators deliver.
 
-use legwork::study::Ending;
-use legwork::study::limits::Answer;
-use legwork::study::sizing::{Coping, Demand, Pair, Sizing, Use};
+use legwork_study::Ending;
+use legwork_study::limits::Answer;
+use legwork_study::sizing::{Coping, Demand, Pair, Sizing, Use};
 use maud::{Markup, html};
 
 use super::charts::axis::Quantity;

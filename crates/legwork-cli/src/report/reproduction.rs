@@ -2,14 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use legwork::reproduce::case::{Case, Experiment, Gains, Reading};
-use legwork::reproduce::claims::{Claim, Verdict};
-use legwork::reproduce::limits::{LimitRow, Measured};
-use legwork::reproduce::questions::{Entry, Question, Table as QuestionTable};
-use legwork::reproduce::sweep::{STUDIES, Sweep as Sweeps};
-use legwork::reproduce::tables::{Cell, Table};
-use legwork::reproduce::{Reproduction, terms};
-use legwork::study::Ending;
+use legwork_study::Ending;
+use legwork_thesis::case::{Case, Experiment, Gains, Reading};
+use legwork_thesis::claims::{Claim, Verdict};
+use legwork_thesis::limits::{LimitRow, Measured};
+use legwork_thesis::questions::{Entry, Question, Table as QuestionTable};
+use legwork_thesis::sweep::{STUDIES, Sweep as Sweeps};
+use legwork_thesis::tables::{Cell, Table};
+use legwork_thesis::{Reproduction, terms};
 use maud::{Markup, html};
 
 use super::charts::axis::Quantity;
@@ -221,7 +221,7 @@ fn sweep(reproduction: &Reproduction, study: &str, experiment: Experiment) -> Sw
     });
     let values = |figure: &str| -> Vec<Vec<f64>> {
         let column = reproduction.columns.iter().position(|column| column.name == figure).expect("it is a figure");
-        let value = |tried: &legwork::reproduce::sweep::Tried| tried.rollout.figures[column].unwrap_or(f64::NAN);
+        let value = |tried: &legwork_thesis::sweep::Tried| tried.rollout.figures[column].unwrap_or(f64::NAN);
         sweeps.iter().map(|sweep| sweep.levels.iter().map(value).collect()).collect()
     };
     let panel = |(title, name, unit): (&str, &str, &str)| Panel {

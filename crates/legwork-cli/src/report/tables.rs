@@ -1,7 +1,7 @@
 //! The tables of a run: its figures beside the thesis's, the simulator's books, the programs, the times.
 
 use legwork::episode::{Outcome, Run};
-use legwork::published;
+use legwork_thesis::published;
 use maud::{Markup, html};
 
 use super::origin;

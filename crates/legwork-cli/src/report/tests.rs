@@ -1,9 +1,10 @@
 //! The whole report: that it is complete, well formed, harmless, and the same each time.
 
 use legwork::episode::{Episode, Run};
+use legwork::library;
 use legwork::metrics::{MeanPeak, Metrics};
 use legwork::scenario::Scenario;
-use legwork::{library, published};
+use legwork_thesis::published;
 
 use super::*;
 

@@ -16,9 +16,7 @@ use legwork_rbd::Model;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
-use crate::library::{
-    is_mere_name, load_model, load_samples, model_text, not_found, read_text, scenario_names, scenario_text,
-};
+use crate::library::{self, Document, Kind, load_model, load_samples, model_text};
 use crate::scenario::{Scenario, TrajectoryKind};
 use crate::settings::{at, tree};
 use crate::wearer;
@@ -118,7 +116,7 @@ pub fn parse(text: &str, file_name: &str, folder: Option<&Path>, sets: &[String]
 ///
 /// # Errors
 /// A value, or a pair of values, is not valid.
-pub(crate) fn check(tree: toml::Value, name: &str) -> Result<Scenario, Error> {
+pub fn check(tree: toml::Value, name: &str) -> Result<Scenario, Error> {
     Draft { tree, places: Places::default() }.check(name)
 }
 
@@ -126,7 +124,7 @@ pub(crate) fn check(tree: toml::Value, name: &str) -> Result<Scenario, Error> {
 ///
 /// # Errors
 /// It is no such list.
-pub(crate) fn pushes(list: &toml::Value) -> Result<toml::Value, Error> {
+pub fn pushes(list: &toml::Value) -> Result<toml::Value, Error> {
     let mut draft = Draft::default();
     draft.set(&format!("pushes={list}")).map_err(|error| match error {
         Error::Invalid { place, problem } => Error::invalid(place.trim_start_matches("--set "), problem),
@@ -161,22 +159,12 @@ struct Origin<'a> {
 impl Origin<'_> {
     /// Finds a built-in scenario, or a file relative to `folder`.
     fn open(name: &str, folder: Option<&Path>) -> Result<Self, Error> {
-        if let Some(text) = scenario_text(name) {
-            let file_name = format!("built-in {name}.toml");
-            return Ok(Self { identity: PathBuf::from(&file_name), file_name, folder: None, text: text.into() });
-        }
-        let path = folder.unwrap_or(Path::new("")).join(name);
-        if !path.exists() {
-            let problem = not_found("scenario", name, scenario_names());
-            return Err(if is_mere_name(name) {
-                Error::invalid("scenario", problem)
-            } else {
-                Error::Io { path, problem }
-            });
-        }
-        let (text, file_name) = (read_text(&path)?, path.display().to_string());
-        let identity = path.canonicalize().unwrap_or_else(|_| path.clone());
-        Ok(Self { identity, file_name, folder: path.parent().map(Path::to_owned), text: text.into() })
+        let Document { text, file_name, path } = library::open(Kind::Scenario, name, folder)?;
+        let identity = match &path {
+            Some(path) => path.canonicalize().unwrap_or_else(|_| path.clone()),
+            None => PathBuf::from(&file_name),
+        };
+        Ok(Self { identity, file_name, folder: path.and_then(|path| path.parent().map(Path::to_owned)), text })
     }
 
     /// Its values over those of the scenario that it extends; `extending` are the scenarios that extend this one.

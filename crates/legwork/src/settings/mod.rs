@@ -11,7 +11,7 @@ use toml::Value;
 use crate::scenario::{Push, Scenario};
 
 pub use table::SETTINGS;
-pub(crate) use valid::in_words;
+pub use valid::in_words;
 pub use valid::{Column, Valid};
 
 /// The columns of a way-point and of a sampled CoM trajectory.
@@ -79,12 +79,12 @@ pub(crate) fn template() -> Value {
 ///
 /// # Panics
 /// If the seed is above `i64::MAX`, the largest whole number of TOML.
-pub(crate) fn tree(scenario: &Scenario) -> Value {
+pub fn tree(scenario: &Scenario) -> Value {
     Value::try_from(scenario).expect("a scenario can be written as TOML if its seed is at most i64::MAX")
 }
 
 /// The value at a dotted path; elements of lists by their number.
-pub(crate) fn at<'a>(tree: &'a mut Value, path: &str) -> Option<&'a mut Value> {
+pub fn at<'a>(tree: &'a mut Value, path: &str) -> Option<&'a mut Value> {
     path.split('.').try_fold(tree, |value, key| match value {
         Value::Table(table) => table.get_mut(key),
         Value::Array(list) => list.get_mut(key.parse::<usize>().ok()?),
@@ -104,7 +104,7 @@ fn is_number(key: &str) -> bool {
 
 /// The setting or table whose path a wrong `path` probably means: the same key with another unit, the same key in
 /// another place, or a similar spelling.
-pub(crate) fn nearest(path: &str) -> Option<String> {
+pub fn nearest(path: &str) -> Option<String> {
     if path.len() > LONGEST {
         return None;
     }

@@ -101,7 +101,7 @@ fn row(columns: &[Column], value: &Value) -> Result<Value, String> {
 }
 
 /// A value in an error message: itself, or its kind where it may be long.
-pub(crate) fn in_words(value: &Value) -> String {
+pub fn in_words(value: &Value) -> String {
     match value {
         Value::Table(_) => "a table".to_owned(),
         Value::Array(_) => "a list".to_owned(),

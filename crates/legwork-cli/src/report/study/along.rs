@@ -1,8 +1,8 @@
 //! Figures over the levels of a study's factors: sweeps, maps of two factors, parts of each factor's range.
 
-use legwork::study::results::{Results, Row, SURVIVED};
-use legwork::study::rollout::Column;
-use legwork::study::{Ending, Factor, Level};
+use legwork_study::results::{Results, Row, SURVIVED};
+use legwork_study::rollout::Column;
+use legwork_study::{Ending, Factor, Level};
 use maud::{Markup, html};
 
 use super::{FALL_NOTE, axis, quantity};
@@ -254,7 +254,7 @@ fn binned(results: &Results, index: usize, bases: &[usize]) -> Sweep {
 
 #[cfg(test)]
 mod tests {
-    use legwork::study::{Levels, Study};
+    use legwork_study::{Levels, Study};
 
     use super::*;
 

@@ -1,9 +1,9 @@
 //! Figures of a study's indices: Sobol' shares of the variance, elementary effects.
 
 use legwork::error::Error;
-use legwork::study::Factor;
-use legwork::study::results::{Results, Sensitivity};
-use legwork::study::sensitivity::Estimate;
+use legwork_study::Factor;
+use legwork_study::results::{Results, Sensitivity};
+use legwork_study::sensitivity::Estimate;
 use maud::html;
 
 use super::quantity;

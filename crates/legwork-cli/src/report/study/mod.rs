@@ -7,9 +7,9 @@ use std::collections::BTreeSet;
 
 use legwork::diagnosis::FirstCause;
 use legwork::error::Error;
-use legwork::study::Factor;
-use legwork::study::design::Design;
-use legwork::study::results::Results;
+use legwork_study::Factor;
+use legwork_study::design::Design;
+use legwork_study::results::Results;
 use maud::{Markup, html};
 
 use super::charts::axis::Quantity;

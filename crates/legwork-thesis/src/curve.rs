@@ -1,0 +1,281 @@
+//! A figure over the levels of a sweep, and what is asked of it in the terms of [`super::terms`].
+
+use super::statistics::{spearman, spread, straightness};
+use super::sweep::{Sweep, Tried};
+use super::terms::{Check, DIMINISHED, FEWEST, POOR, STRAIGHT, TREND, VISIBLE};
+use super::words::{digits, with_unit};
+use legwork::metrics::FIGURES;
+
+/// A figure over some levels of a sweep.
+#[derive(Clone, Debug)]
+pub struct Curve<'a> {
+    sweep: &'a Sweep,
+    figure: &'static str,
+    tried: Vec<&'a Tried>,
+}
+
+impl<'a> Curve<'a> {
+    /// The figure of that name in [`FIGURES`] over the levels from `low` to `high`.
+    pub fn new(sweep: &'a Sweep, figure: &'static str, low: f64, high: f64) -> Self {
+        Self { sweep, figure, tried: sweep.between(low, high).collect() }
+    }
+
+    /// It over the levels at which the robot stands.
+    pub fn standing(mut self) -> Self {
+        self.tried.retain(|tried| tried.rollout.survived());
+        self
+    }
+
+    /// Levels and values where the robot stands.
+    fn points(&self) -> (Vec<f64>, Vec<f64>) {
+        self.tried.iter().filter_map(|tried| Some((tried.level, tried.figure(self.figure)?))).unzip()
+    }
+
+    fn own(&self) -> Option<f64> {
+        self.sweep.at_marked().figure(self.figure)
+    }
+
+    /// It and where it goes, in words: `walk: mean feet error 0.0026 m at 200 Nm, 0.0018 m at 500 Nm`.
+    fn words(&self) -> String {
+        let figure = FIGURES.iter().find(|figure| figure.name == self.figure).expect("figures are known by name");
+        let kind = figure.name.rsplit('.').next().unwrap_or_default();
+        let (levels, values) = self.points();
+        let at =
+            |i: usize| format!("{} at {}", with_unit(values[i], figure.unit), with_unit(levels[i], self.sweep.unit));
+        let path = match levels.len() {
+            0 => "at no level".to_owned(),
+            1 => at(0),
+            last => format!("{}, {}", at(0), at(last - 1)),
+        };
+        format!("{}: {kind} {} {path}", self.sweep.case.experiment.name(), figure.label)
+    }
+
+    fn too_few(&self) -> Option<Check> {
+        let count = self.points().0.len();
+        (count < FEWEST).then(|| {
+            Check::new(false, format!("{}; stands at {count} of {} levels only", self.words(), self.tried.len()))
+        })
+    }
+
+    fn trend(&self, sign: f64) -> Check {
+        self.too_few().unwrap_or_else(|| {
+            let (levels, values) = self.points();
+            match spearman(&levels, &values) {
+                Some(rank) => {
+                    let mean = values.iter().sum::<f64>() / values.len() as f64;
+                    let change = spread(&values).unwrap_or(0.0) / mean;
+                    let finding =
+                        format!("{}; rank correlation {rank:.2}, change {:.1} %", self.words(), 100.0 * change);
+                    Check::new(sign * rank >= TREND && change >= VISIBLE, finding)
+                }
+                None => Check::new(false, format!("{}; the same at all levels", self.words())),
+            }
+        })
+    }
+
+    /// It rises with the parameter.
+    pub fn rises(&self) -> Check {
+        self.trend(1.0)
+    }
+
+    /// It sinks with the parameter.
+    pub fn sinks(&self) -> Check {
+        self.trend(-1.0)
+    }
+
+    /// It is a straight line.
+    pub fn is_straight(&self) -> Check {
+        self.too_few().unwrap_or_else(|| {
+            let (levels, values) = self.points();
+            let share = straightness(&levels, &values).unwrap_or(0.0);
+            Check::new(share >= STRAIGHT, format!("{}; a line explains {:.0} %", self.words(), 100.0 * share))
+        })
+    }
+
+    /// It sinks less in the upper half of the levels than in the lower.
+    pub fn diminishes(&self) -> Check {
+        self.too_few().unwrap_or_else(|| {
+            let (levels, values) = self.points();
+            let (half, last) = (levels.len() / 2, levels.len() - 1);
+            let (lower, upper) = (values[0] - values[half], values[half] - values[last]);
+            let finding = format!(
+                "{}; sinks by {} up to {} and by {} above",
+                self.words(),
+                digits(lower),
+                with_unit(levels[half], self.sweep.unit),
+                digits(upper)
+            );
+            Check::new(lower > 0.0 && upper < DIMINISHED * lower, finding)
+        })
+    }
+
+    /// It changes by no more than `share` of the baseline's own, and the robot stands at all levels.
+    pub fn changes_at_most(&self, share: f64) -> Check {
+        let (_, values) = self.points();
+        let fallen = self.tried.len() - values.len();
+        match (self.own(), spread(&values)) {
+            (Some(own), Some(spread)) => {
+                let mut finding =
+                    format!("{}; changes by {:.1} % of the baseline's", self.words(), 100.0 * spread / own);
+                if fallen > 0 {
+                    finding += &format!("; falls at {fallen} of {} levels", self.tried.len());
+                }
+                Check::new(fallen == 0 && spread <= share * own, finding)
+            }
+            _ => Check::new(false, format!("{}; the baseline itself falls", self.words())),
+        }
+    }
+
+    /// It is poor at every level.
+    pub fn is_poor(&self) -> Check {
+        let Some(own) = self.own() else {
+            return Check::new(false, format!("{}; the baseline itself falls", self.words()));
+        };
+        let (_, values) = self.points();
+        let fallen = self.tried.len() - values.len();
+        let poor = values.iter().filter(|&&value| value >= POOR * own).count();
+        let of = self.tried.len();
+        let finding = format!("{}; poor at {poor}, a fall at {fallen} of {of} levels", self.words());
+        Check::new(of > 0 && poor + fallen == of, finding)
+    }
+
+    /// It changes from the first to the last level at which the robot stands by more than `share` of the first, upwards
+    /// for a positive sign.
+    pub fn moves(&self, sign: f64, share: f64) -> Check {
+        let (_, values) = self.points();
+        match values.as_slice() {
+            [first, .., last] => {
+                let change = last / first - 1.0;
+                let finding = format!("{}; {:+.1} %", self.words(), 100.0 * change);
+                Check::new(sign * change > share, finding)
+            }
+            _ => Check::new(false, format!("{}; too few levels at which it stands", self.words())),
+        }
+    }
+}
+
+/// The robot falls at every level of the sweep from `low` to `high`, and does not with the baseline's own.
+pub fn falls_at_all(sweep: &Sweep, low: f64, high: f64) -> Check {
+    let (stands, text) = endings(sweep, low, high);
+    let tried = sweep.between(low, high).next().is_some();
+    if !sweep.at_marked().rollout.survived() {
+        return Check::new(false, format!("{text}; the baseline itself falls"));
+    }
+    Check::new(tried && stands.is_empty(), text)
+}
+
+/// The robot stands at every level of the sweep from `low` to `high`.
+pub fn stands_at_all(sweep: &Sweep, low: f64, high: f64) -> Check {
+    let (stands, text) = endings(sweep, low, high);
+    Check::new(stands.len() == sweep.between(low, high).count(), text)
+}
+
+fn endings(sweep: &Sweep, low: f64, high: f64) -> (Vec<f64>, String) {
+    let (mut stands, mut falls) = (Vec::new(), Vec::new());
+    for tried in sweep.between(low, high) {
+        if tried.rollout.survived() { &mut stands } else { &mut falls }.push(tried.level);
+    }
+    let list = |levels: &[f64]| match levels {
+        [] => "none".to_owned(),
+        [one] => with_unit(*one, sweep.unit),
+        [first, .., last] => format!("{} ({} to {})", levels.len(), digits(*first), with_unit(*last, sweep.unit)),
+    };
+    let text = format!(
+        "{}: from {} to {} ({} levels) it stands at {}, falls at {}",
+        sweep.case.experiment.name(),
+        digits(stands.iter().chain(&falls).copied().fold(f64::INFINITY, f64::min)),
+        with_unit(stands.iter().chain(&falls).copied().fold(0.0, f64::max), sweep.unit),
+        stands.len() + falls.len(),
+        list(&stands),
+        list(&falls)
+    );
+    (stands, text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::case::{Case, Experiment, Gains, Reading};
+    use crate::sweep::COM;
+    use crate::terms::LITTLE;
+    use legwork_study::{Ending, Rollout};
+
+    /// A sweep of the mean CoM error over levels 1, 2, 3, ...; none is a fall. The baseline is level 1.
+    fn sweep(values: &[Option<f64>]) -> Sweep {
+        let tried = |(index, value): (usize, &Option<f64>)| {
+            let mut rollout = Rollout::invalid(String::new());
+            rollout.ending = if value.is_some() { Ending::Completed } else { Ending::Fell };
+            rollout.figures = vec![*value];
+            Tried { level: index as f64 + 1.0, rollout, momentum_rate_limited_fraction: 0.0 }
+        };
+        Sweep {
+            study: String::new(),
+            symbol: "",
+            figure: "",
+            scenario: String::new(),
+            case: Case::new(Reading::Displacement, Experiment::Walk, Gains::Baseline),
+            factor: String::new(),
+            path: String::new(),
+            unit: "Nm",
+            is_logarithmic: false,
+            marked: 1.0,
+            levels: values.iter().enumerate().map(tried).collect(),
+        }
+    }
+
+    fn check(values: &[Option<f64>], of: impl Fn(&Curve) -> Check) -> bool {
+        of(&Curve::new(&sweep(values), COM, 0.0, f64::INFINITY)).holds
+    }
+
+    fn all(values: &[f64]) -> Vec<Option<f64>> {
+        values.iter().copied().map(Some).collect()
+    }
+
+    #[test]
+    fn trends_need_order_size_and_enough_levels() {
+        assert!(check(&all(&[4.0, 3.0, 2.0, 1.0]), |c| c.sinks()) && check(&all(&[1.0, 2.0, 3.0, 4.0]), |c| c.rises()));
+        assert!(!check(&all(&[4.0, 3.0, 2.0, 1.0]), |c| c.rises()));
+        assert!(!check(&all(&[1.0, 3.0, 1.0, 3.0]), |c| c.rises()), "no order");
+        assert!(!check(&all(&[1.0, 1.001, 1.002, 1.003]), |c| c.rises()), "too small to be seen");
+        assert!(!check(&[Some(1.0), Some(2.0), None, Some(3.0)], |c| c.rises()), "three levels are too few");
+        assert!(check(&all(&[1.0, 2.0, 3.0, 4.0]), |c| c.is_straight()));
+        assert!(!check(&all(&[0.1, 0.1, 0.1, 9.0]), |c| c.is_straight()));
+    }
+
+    #[test]
+    fn returns_diminish_where_the_upper_half_gains_less_than_half_of_the_lower() {
+        assert!(check(&all(&[8.0, 4.0, 2.0, 1.0, 0.9]), |c| c.diminishes()));
+        assert!(!check(&all(&[4.0, 3.0, 2.0, 1.0]), |c| c.diminishes()));
+        assert!(!check(&all(&[1.0, 2.0, 3.0, 3.1]), |c| c.diminishes()), "it grows");
+    }
+
+    #[test]
+    fn a_change_is_a_share_of_the_baselines_own_and_a_fall_is_one() {
+        let little = |values: &[Option<f64>]| check(values, |curve| curve.changes_at_most(LITTLE));
+        assert!(little(&all(&[1.0, 1.1, 0.95])) && !little(&all(&[1.0, 1.1, 0.85])));
+        assert!(!little(&[Some(1.0), Some(1.0), None]), "it falls");
+        assert!(!little(&[None, Some(1.0), Some(1.0)]), "the baseline falls");
+        assert!(check(&all(&[1.0, 1.5, 0.7]), |curve| curve.moves(-1.0, LITTLE)));
+        assert!(!check(&all(&[1.0, 0.5, 0.9]), |curve| curve.moves(-1.0, LITTLE)), "only the ends count");
+    }
+
+    #[test]
+    fn poor_is_twice_the_baselines_or_a_fall_at_every_level() {
+        let poor = |values: &[Option<f64>]| Curve::new(&sweep(values), COM, 2.0, f64::INFINITY).is_poor().holds;
+        assert!(poor(&[Some(1.0), Some(2.0), None]) && !poor(&[Some(1.0), Some(1.9), None]));
+        assert!(!poor(&[None, Some(9.0)]) && !poor(&[Some(1.0)]));
+        let falls = sweep(&[Some(1.0), None]);
+        assert!(!Curve::new(&falls, COM, 2.0, 9.0).standing().is_poor().holds, "no level stands");
+    }
+
+    #[test]
+    fn endings_are_those_of_the_levels_in_the_range() {
+        let some = sweep(&[Some(1.0), Some(1.0), None]);
+        assert!(falls_at_all(&some, 2.5, 9.0).holds && !falls_at_all(&some, 2.0, 9.0).holds);
+        assert!(!falls_at_all(&some, 4.0, 9.0).holds, "no level is in the range");
+        assert!(!falls_at_all(&sweep(&[None, None]), 2.0, 9.0).holds, "the baseline falls as well");
+        assert!(stands_at_all(&some, 0.0, 2.0).holds && !stands_at_all(&some, 0.0, 9.0).holds);
+        let finding = stands_at_all(&some, 0.0, 9.0).finding;
+        assert_eq!(finding, "walk: from 1 to 3 Nm (3 levels) it stands at 2 (1 to 2 Nm), falls at 3 Nm");
+    }
+}

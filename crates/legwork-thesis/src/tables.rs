@@ -1,0 +1,143 @@
+//! The thesis's tables beside what is measured, in both readings.
+
+use serde::Serialize;
+
+use super::case::{Case, Experiment, Gains, Reading};
+use crate::published;
+use legwork::episode::Run;
+
+/// One of Tables 6.1 to 6.5.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Table {
+    /// Its number in the thesis.
+    pub number: &'static str,
+    /// What it is of.
+    pub title: &'static str,
+    /// Its rows.
+    pub rows: Vec<Row>,
+}
+
+/// A figure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// It in words.
+    pub label: &'static str,
+    /// Its unit, or nothing.
+    pub unit: &'static str,
+    /// `mean` or `peak`; `setting` of a parameter.
+    pub kind: &'static str,
+    /// What the thesis prints.
+    pub thesis: f64,
+    /// Where it is taken for another than printed.
+    pub misprint: Option<&'static str>,
+    /// What is measured, in the order of [`Reading::ALL`].
+    pub measured: Vec<Cell>,
+}
+
+/// A figure in a reading.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Cell {
+    /// The reading.
+    pub reading: Reading,
+    /// The scenario.
+    pub scenario: &'static str,
+    /// The measured figure; of a run that ended in a fall it is that of the time before, and says little.
+    pub value: Option<f64>,
+    /// Measured over published, minus one.
+    pub deviation: Option<f64>,
+    /// Whether the run ended in a fall.
+    pub fell: bool,
+}
+
+impl Row {
+    /// What there is to say of it beside the figures: which of its runs fell, what was misprinted.
+    pub fn remark(&self) -> String {
+        let fell = self.measured.iter().filter(|cell| cell.fell);
+        let mut remarks: Vec<String> = fell.map(|cell| format!("{} fell", cell.scenario)).collect();
+        remarks.extend(self.misprint.map(str::to_owned));
+        remarks.join("; ")
+    }
+}
+
+const TABLES: [(&str, &str, Experiment, Gains); 4] = [
+    ("6.1", "Baseline, walking", Experiment::Walk, Gains::Baseline),
+    ("6.2", "Baseline, push recovery", Experiment::Push, Gains::Baseline),
+    ("6.4", "Final design, walking", Experiment::Walk, Gains::Final),
+    ("6.5", "Final design, push recovery", Experiment::Push, Gains::Final),
+];
+
+/// A controller parameter, its unit, the printed value, and what the scenario holds.
+type Parameter = (&'static str, &'static str, f64, fn(&Run) -> f64);
+
+/// Table 6.3
+const FINAL_DESIGN: [Parameter; 10] = [
+    ("torque limit", "Nm", 220.0, |run| run.scenario.controller.limits.torque_nm),
+    ("force limit", "N", 1000.0, |run| run.scenario.controller.limits.grf_n),
+    ("C_v", "", 1e-2, |run| run.scenario.controller.weights.joint_acceleration),
+    ("C_ρ", "", 1e-4, |run| run.scenario.controller.weights.grf),
+    ("C_τ", "", 0.0, |run| run.scenario.controller.weights.torque),
+    ("C_m", "", 10.0, |run| run.scenario.controller.weights.momentum),
+    ("C_f", "", 5e5, |run| run.scenario.controller.weights.feet),
+    ("C_a", "", 1e5, |run| run.scenario.controller.weights.torso),
+    ("P_C", "N/m", 1500.0, |run| run.scenario.controller.planner.com_gain),
+    ("P_f", "1/s²", 1500.0, |run| run.scenario.controller.planner.foot_gain),
+];
+
+/// The five tables; `run` finds the run of a case.
+pub fn tables<'a>(run: impl Fn(Case) -> &'a Run) -> Vec<Table> {
+    let mut tables: Vec<Table> = TABLES
+        .iter()
+        .map(|&(number, title, experiment, gains)| Table { number, title, rows: rows(&run, experiment, gains) })
+        .collect();
+    let settings = FINAL_DESIGN.iter().map(|&(label, unit, thesis, of)| {
+        let value = |case: Case| Some(of(run(case)));
+        let measured = cells(&run, Experiment::Walk, Gains::Final, thesis, value);
+        Row { label, unit, kind: "setting", thesis, misprint: None, measured }
+    });
+    tables.insert(2, Table { number: "6.3", title: "Final design, parameters", rows: settings.collect() });
+    tables
+}
+
+fn rows<'a>(run: &impl Fn(Case) -> &'a Run, experiment: Experiment, gains: Gains) -> Vec<Row> {
+    // The thesis knows one reading only, whose scenario the published figures go by.
+    let name = Case::new(Reading::Displacement, experiment, gains).scenario();
+    let compared = |case: Case| published::compare(name, &run(case).metrics);
+    let printed = compared(Case::new(Reading::Displacement, experiment, gains));
+    let mut rows = Vec::new();
+    for (index, row) in printed.iter().enumerate() {
+        // Single figures are of the text, not of the tables; [`super::limits`] has them.
+        let Some(peak) = row.published_peak else { continue };
+        let mut add = |kind, thesis, value: fn(&published::Row) -> Option<f64>| {
+            let measured = cells(run, experiment, gains, thesis, |case| value(&compared(case)[index]));
+            let misprint = (kind == "peak").then(|| misprint(experiment, gains, row.label)).flatten();
+            rows.push(Row { label: row.label, unit: row.unit, kind, thesis, misprint, measured });
+        };
+        if let Some(mean) = row.published {
+            add("mean", mean, |row| row.measured);
+        }
+        add("peak", peak, |row| row.measured_peak);
+    }
+    rows
+}
+
+/// The figure of the tables that is printed otherwise (docs/thesis.md).
+fn misprint(experiment: Experiment, gains: Gains, label: &str) -> Option<&'static str> {
+    let is_it = (experiment, gains, label) == (Experiment::Push, Gains::Baseline, "feet error");
+    is_it.then_some("printed as 0.79, taken as 0.079")
+}
+
+fn cells<'a>(
+    run: &impl Fn(Case) -> &'a Run,
+    experiment: Experiment,
+    gains: Gains,
+    thesis: f64,
+    value: impl Fn(Case) -> Option<f64>,
+) -> Vec<Cell> {
+    let cell = |reading| {
+        let case = Case::new(reading, experiment, gains);
+        let value = value(case);
+        let deviation = value.filter(|_| thesis != 0.0).map(|value| value / thesis - 1.0);
+        Cell { reading, scenario: case.scenario(), value, deviation, fell: run(case).reason.is_some() }
+    };
+    Reading::ALL.map(cell).to_vec()
+}

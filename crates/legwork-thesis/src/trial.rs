@@ -1,0 +1,190 @@
+//! The runs beside the sweeps: variants of the eight cases, for the claims and the open questions.
+
+use serde::Serialize;
+
+use super::case::{Case, Gains};
+use legwork::control::Fallback;
+use legwork::episode::Run;
+use legwork::error::Error;
+use legwork::log::Field;
+use legwork_study::Rollout;
+use legwork_study::rollout::simulate;
+use legwork_study::{Base, Variant};
+
+/// A scenario with settings as `--set` takes them.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Trial {
+    /// The built-in scenario.
+    pub scenario: &'static str,
+    /// Its settings, as `controller.limits.torque_nm=500`.
+    pub sets: Vec<String>,
+}
+
+/// A trial and what it gave.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TrialResult {
+    /// What was run.
+    #[serde(flatten)]
+    pub trial: Trial,
+    /// What it gave.
+    pub rollout: Rollout,
+    /// How its programs went.
+    pub program: ProgramReport,
+}
+
+/// How the programs of a run went.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ProgramReport {
+    /// Ticks.
+    pub ticks: usize,
+    /// Ticks whose program had no solution as it stood.
+    pub infeasible: u64,
+    /// The first of them [s].
+    pub first_infeasible_s: Option<f64>,
+    /// What contradicted each other there.
+    pub conflict: Vec<String>,
+    /// How long after the trigger of a step that was [s]; none in double support.
+    pub since_trigger_s: Option<f64>,
+    /// Ticks in which hard tasks became costs.
+    pub tasks_yielded: usize,
+    /// Ticks that had no solution at all.
+    pub torque_held: usize,
+}
+
+/// The settings of hard feet tracking.
+pub const HARD_FEET: &str = "controller.tracking.feet=equality";
+/// What hard feet tracking is tried with: torque limit [Nm], and step time [s] where it is not the scenario's own.
+pub const HARD_FEET_WITH: [(f64, Option<f64>); 3] = [(220.0, None), (500.0, None), (220.0, Some(0.20))];
+/// Feet weights that are combined with foot gains (6.4).
+pub const STACKED_WEIGHTS: [f64; 3] = [1e5, 1e6, 1e7];
+/// Foot gains that they are combined with.
+pub const STACKED_GAINS: [f64; 3] = [1000.0, 2000.0, 6000.0];
+/// Momentum weights below those of the sweep, down to where the operating costs outweigh them.
+pub const LOW_MOMENTUM: [f64; 2] = [1e-4, 1e-5];
+/// Weights of forces and of joint accelerations: below those at which the baseline falls, and such.
+pub const HIGH_WEIGHTS: [(&str, [f64; 2]); 2] =
+    [("controller.weights.grf", [1.0, 10.0]), ("controller.weights.joint_acceleration", [1e3, 1e4])];
+/// Step times that these are tried with [s].
+pub const STEP_TIMES: [f64; 2] = [0.30, 0.35];
+/// Re-planning of the step length in mid-swing.
+pub const REPLAN: &str = "reference.step.replan=in-swing";
+/// Critical damping as it is meant.
+pub const CRITICAL: &str = "controller.planner.damping=critical";
+
+/// The torque limit as a setting.
+pub fn torque_limit(torque_nm: f64) -> String {
+    format!("controller.limits.torque_nm={torque_nm}")
+}
+
+/// Hard feet tracking as settings.
+pub fn hard_feet((torque_nm, step_s): (f64, Option<f64>)) -> Vec<String> {
+    let sets = [HARD_FEET.to_owned(), torque_limit(torque_nm)];
+    sets.into_iter().chain(step_s.map(step_time)).collect()
+}
+
+/// Feet weight and foot gain as settings.
+pub fn stacked(weight: f64, gain: f64) -> Vec<String> {
+    vec![format!("controller.weights.feet={weight}"), format!("controller.planner.foot_gain={gain}")]
+}
+
+/// The step time as a setting.
+pub fn step_time(duration_s: f64) -> String {
+    format!("reference.step.duration_s={duration_s}")
+}
+
+/// A weight as a setting.
+pub fn weight(path: &str, value: f64) -> String {
+    format!("{path}={value}")
+}
+
+/// All of them.
+pub fn trials() -> Vec<Trial> {
+    let mut trials = Vec::new();
+    for case in Case::all() {
+        let mut add = |sets: Vec<String>| trials.push(Trial { scenario: case.scenario(), sets });
+        HARD_FEET_WITH.iter().for_each(|&with| add(hard_feet(with)));
+        add(vec![REPLAN.to_owned()]);
+        add(vec![CRITICAL.to_owned()]);
+        if case.gains == Gains::Baseline {
+            for weight in STACKED_WEIGHTS {
+                STACKED_GAINS.iter().for_each(|&gain| add(stacked(weight, gain)));
+            }
+            for duration in STEP_TIMES {
+                add(vec![step_time(duration)]);
+            }
+            for value in LOW_MOMENTUM {
+                add(vec![weight("controller.weights.momentum", value)]);
+            }
+            for (path, [_, highest]) in HIGH_WEIGHTS {
+                add(vec![weight(path, highest)]);
+                STEP_TIMES.iter().for_each(|&duration| add(vec![weight(path, highest), step_time(duration)]));
+            }
+        }
+    }
+    trials
+}
+
+impl Trial {
+    /// A case as it stands.
+    pub fn of_case(case: Case) -> Self {
+        Self { scenario: case.scenario(), sets: Vec::new() }
+    }
+
+    /// What is run.
+    ///
+    /// # Errors
+    /// A setting is not one of the scenario.
+    pub fn variant(&self) -> Result<Variant, Error> {
+        Ok(Base::load(self.scenario, &self.sets)?.variant().clone())
+    }
+
+    /// Runs it.
+    ///
+    /// # Errors
+    /// As [`Trial::variant`].
+    pub fn run(&self, stop: impl Fn() -> bool) -> Result<Run, Error> {
+        simulate(&self.variant()?, stop)
+    }
+
+    /// The command that runs it alone.
+    pub fn command(&self) -> String {
+        let sets: String = self.sets.iter().map(|set| format!(" --set {set}")).collect();
+        format!("legwork run {}{sets}", self.scenario)
+    }
+}
+
+impl TrialResult {
+    /// What a run of `trial` gave.
+    pub fn of(trial: Trial, run: &Run) -> Self {
+        Self { trial, rollout: Rollout::of(run), program: ProgramReport::of(run) }
+    }
+
+    /// Whether the robot stands to the end.
+    pub fn stands(&self) -> bool {
+        self.rollout.survived()
+    }
+}
+
+impl ProgramReport {
+    fn of(run: &Run) -> Self {
+        let fallbacks = |which: Fallback| {
+            let column = run.log.range(Field::Program).start + 1;
+            run.log.column(column).filter(|&fallback| fallback == f64::from(which as u32)).count()
+        };
+        let (first_infeasible_s, conflict) = run.program.first_infeasible.clone().unzip();
+        let since = |time: f64| {
+            let index = (0..run.log.len()).find(|&i| run.log.time(i) >= time)?;
+            let swing = run.log.get(index, Field::Swing);
+            (swing[0] >= 0.0).then(|| ((time - swing[1]) * 1e6).round() / 1e6)
+        };
+        Self {
+            ticks: run.log.len(),
+            infeasible: run.program.infeasible,
+            first_infeasible_s,
+            conflict: conflict.unwrap_or_default(),
+            since_trigger_s: first_infeasible_s.and_then(since),
+            tasks_yielded: fallbacks(Fallback::TasksYield),
+            torque_held: fallbacks(Fallback::HoldTorque),
+        }
+    }
+}
