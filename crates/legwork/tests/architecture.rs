@@ -66,7 +66,14 @@ fn the_lower_crates_know_nothing_of_the_upper_ones() {
 #[test]
 fn nothing_is_unsafe() {
     nobody_names(
-        &[SRC, "crates/legwork-rbd/src", "crates/legwork-qp/src", "crates/legwork-cli/src", "xtask/src"],
+        &[
+            SRC,
+            "crates/legwork-rbd/src",
+            "crates/legwork-qp/src",
+            "crates/legwork-report/src",
+            "crates/legwork-cli/src",
+            "xtask/src",
+        ],
         &["unsafe {", "unsafe fn", "unsafe impl"],
     );
 }
@@ -94,7 +101,14 @@ fn time_is_measured_in_one_place_and_threads_are_in_another() {
 
 #[test]
 fn every_source_file_says_what_it_holds() {
-    for place in [SRC, "crates/legwork-rbd/src", "crates/legwork-qp/src", "crates/legwork-cli/src", "xtask/src"] {
+    for place in [
+        SRC,
+        "crates/legwork-rbd/src",
+        "crates/legwork-qp/src",
+        "crates/legwork-report/src",
+        "crates/legwork-cli/src",
+        "xtask/src",
+    ] {
         for (file, _) in sources(place) {
             let text = fs::read_to_string(&file).expect("a source file");
             assert!(text.starts_with("//!") || file.ends_with("tests.rs"), "{file} does not open with //!");

@@ -6,8 +6,8 @@ use super::axis::{Quantity, Ruler, shortened};
 use super::colours::Colours;
 use super::frame::{self, GAP};
 use super::no_data;
-use crate::report::scale::Px;
-use crate::report::svg::{Drawing, text_width};
+use crate::scale::Px;
+use crate::svg::{Drawing, text_width};
 
 /// A matrix.
 #[derive(Clone, Debug)]

@@ -1,7 +1,10 @@
 //! The page of `legwork compare`: two robots beside each other and a person.
 
-use legwork::study::comparison::Figures as Walk;
+use legwork::study::comparison::{Figures as Walk, Gait, Person};
+use legwork::study::robustness::Stride;
+use legwork::study::sizing::{Pair, Sizing};
 use maud::{Markup, html};
+use serde::Serialize;
 
 use super::charts::axis::Quantity;
 use super::charts::bars::{Bar, Bars, Group};
@@ -9,11 +12,157 @@ use super::charts::sweep::{Panel, Part, Point, Series, Sweep};
 use super::document::{Chapter, Figures, Page, Section, page as document};
 use super::envelope::{demands, speed_torque_figure, torque_speed_figure};
 use super::tables::number;
-use crate::compare::text::{impulse, phase_label, phases, rows, speeds};
-use crate::compare::{Report, Robot};
+
+/// All that was found.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// The robots.
+    pub robots: Vec<Robot>,
+    /// Whom they are held beside.
+    pub person: Person,
+    /// Whether the pushes were sought quickly, in coarse steps.
+    pub quick: bool,
+    /// Whether it was interrupted, so that something is missing.
+    pub interrupted: bool,
+}
+
+/// A robot and what was found of it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Robot {
+    /// The scenario.
+    pub scenario: String,
+    /// The robot's mass [kg].
+    pub mass_kg: f64,
+    /// Whether each foot is a point.
+    pub point_feet: bool,
+    /// How it walks at each speed.
+    pub gaits: Vec<Gait>,
+    /// The pushes that it survives; none where the robots have no speed in common.
+    pub pushes: Option<Pushes>,
+    /// What its actuators must deliver over all speeds.
+    pub sizing: Sizing,
+    /// Which speeds it walks at which torque limit.
+    pub map: Vec<Pair>,
+}
+
+/// The largest impulses that a robot survives.
+#[derive(Clone, Debug, Serialize)]
+pub struct Pushes {
+    /// The speed at which they strike [m/s].
+    pub speed_mps: f64,
+    /// The stride whose phases are struck.
+    pub stride: Option<Stride>,
+    /// One for each phase and direction.
+    pub strikes: Vec<Strike>,
+}
+
+/// The largest impulse of one phase and direction.
+#[derive(Clone, Debug, Serialize)]
+pub struct Strike {
+    /// Phase of the stride; none standing.
+    pub phase: Option<f64>,
+    /// Direction of the push: 0 forward, 180 backward [deg].
+    pub direction_deg: f64,
+    /// The impulse [Ns]; none where the robot falls without one.
+    pub impulse_ns: Option<f64>,
+    /// Why a larger one is not survived.
+    pub reason_beyond: Option<String>,
+}
+
+impl Report {
+    /// What the comparison is called.
+    pub fn title(&self) -> String {
+        let [first, second] = &self.robots[..] else { unreachable!("two robots are compared") };
+        match (first.point_feet, second.point_feet) {
+            (true, false) => "Point feet against feet".to_owned(),
+            (false, true) => "Feet against point feet".to_owned(),
+            _ => format!("{} against {}", first.scenario, second.scenario),
+        }
+    }
+}
+
+/// A figure of a walk in words, with its decimals and its value.
+type Row = (&'static str, usize, fn(&Walk) -> Option<f64>);
+
+/// The figures that are no joint's.
+const ROWS: [Row; 7] = [
+    ("mean speed [m/s]", 3, |f| Some(f.mean_speed_mps)),
+    ("u\u{b2}, mean [N\u{b2}m\u{b2}]", 0, |f| Some(f.u2_n2m2)),
+    ("single support", 2, |f| Some(f.single_support_fraction)),
+    ("cost of transport", 2, |f| f.cost_of_transport),
+    ("XcoM error, mean [mm]", 1, |f| f.xcom_error_mean_m.map(|error| 1e3 * error)),
+    ("XcoM error, peak [mm]", 1, |f| f.xcom_error_peak_m.map(|error| 1e3 * error)),
+    ("peak ground force [N]", 0, |f| Some(f.ground_force_peak_n)),
+];
+
+/// Where there is no value.
+pub const NONE: &str = "\u{2013}";
+
+/// A row of the table: its name, the robots' values, the person's.
+pub fn rows(walks: &[Option<&Walk>], person: &Person) -> Vec<(String, Vec<String>)> {
+    let shown = |value: Option<f64>, digits: usize| value.map_or(NONE.to_owned(), |value| format!("{value:.digits$}"));
+    let mut rows = Vec::new();
+    let mut joints: Vec<&str> = person.peaks_nm.iter().map(|(joint, _)| *joint).collect();
+    let others = walks.iter().flatten().flat_map(|walk| &walk.joints).map(|joint| joint.joint.as_str());
+    let others: Vec<&str> = others.filter(|joint| !joints.contains(joint)).collect();
+    joints.extend(others);
+    for joint in joints {
+        let of =
+            |walk: &Option<&Walk>| walk.and_then(|walk| walk.joints.iter().find(|found| found.joint == joint).cloned());
+        let found: Vec<_> = walks.iter().map(of).collect();
+        let peak = person.peaks_nm.iter().find(|(name, _)| *name == joint).map(|(_, peak)| *peak);
+        let peaks = found.iter().map(|torque| torque.as_ref().map(|torque| torque.peak_nm)).chain([peak]);
+        let means = found.iter().map(|torque| torque.as_ref().map(|torque| torque.mean_nm)).chain([None]);
+        rows.push((format!("{joint} torque, peak [Nm]"), peaks.map(|value| shown(value, 1)).collect()));
+        rows.push((format!("{joint} torque, mean [Nm]"), means.map(|value| shown(value, 1)).collect()));
+    }
+    rows.extend(ROWS.iter().map(|(name, digits, of)| {
+        let values = walks.iter().map(|walk| walk.and_then(of)).chain([None]);
+        ((*name).to_owned(), values.map(|value| shown(value, *digits)).collect())
+    }));
+    rows
+}
+
+/// The speeds that were tried, in their order.
+pub fn speeds(report: &Report) -> Vec<f64> {
+    let mut speeds: Vec<f64> = Vec::new();
+    for gait in report.robots.iter().flat_map(|robot| &robot.gaits) {
+        if !speeds.contains(&gait.speed_mps) {
+            speeds.push(gait.speed_mps);
+        }
+    }
+    speeds
+}
+
+/// The largest impulse that a robot survives at a phase from a direction [Ns]; none where it was not found.
+pub fn impulse(robot: &Robot, phase: Option<f64>, direction_deg: f64) -> Option<f64> {
+    let strikes = &robot.pushes.as_ref()?.strikes;
+    strikes.iter().find(|strike| strike.phase == phase && strike.direction_deg == direction_deg)?.impulse_ns
+}
+
+/// The phases that were struck, in their order.
+pub fn phases(robots: &[Robot]) -> Vec<Option<f64>> {
+    let mut phases: Vec<Option<f64>> = Vec::new();
+    for strike in robots.iter().filter_map(|robot| robot.pushes.as_ref()).flat_map(|pushes| &pushes.strikes) {
+        if !phases.contains(&strike.phase) {
+            phases.push(strike.phase);
+        }
+    }
+    phases
+}
+
+/// A phase in words.
+pub fn phase_label(phase: Option<f64>) -> String {
+    phase.map_or("standing".to_owned(), |phase| format!("phase {}", shorter(phase)))
+}
+
+/// Without digits that only computing leaves.
+pub fn shorter(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0
+}
 
 /// The page of `report`.
-pub(crate) fn page(report: &Report) -> Page {
+pub fn page(report: &Report) -> Page {
     let mut figures = Figures::default();
     let mut sections: Vec<Section> = speeds(report).iter().map(|&speed| walk(report, speed, &mut figures)).collect();
     sections.extend(pushes(&report.robots, report.quick, &mut figures));

@@ -5,8 +5,8 @@ use maud::{Markup, html};
 use super::axis::{Quantity, Ruler, with_near_zero};
 use super::frame::{self, GAP};
 use super::{class, mark, no_data};
-use crate::report::scale::Px;
-use crate::report::svg::{self, Drawing, Key, Symbol, text_width};
+use crate::scale::Px;
+use crate::svg::{self, Drawing, Key, Symbol, text_width};
 
 /// Panels over one parameter.
 #[derive(Clone, Debug)]

@@ -6,9 +6,9 @@ use maud::{Markup, html};
 use super::axis::{Quantity, Ruler};
 use super::frame::{self, GAP};
 use super::{is_finite, no_data};
-use crate::report::scale::Px;
-use crate::report::svg::{self, Drawing, text_width};
-use crate::report::tables::number;
+use crate::scale::Px;
+use crate::svg::{self, Drawing, text_width};
+use crate::tables::number;
 
 /// Labelled points.
 #[derive(Clone, Debug)]

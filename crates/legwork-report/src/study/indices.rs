@@ -6,12 +6,11 @@ use legwork::study::results::{Results, Sensitivity};
 use legwork::study::sensitivity::Estimate;
 use maud::html;
 
-use super::quantity;
-use crate::report::charts::bars::{Bar, Bars, Group};
-use crate::report::charts::heat_map::HeatMap;
-use crate::report::charts::scatter::{Labelled, Scatter};
-use crate::report::document::{Chapter, Figures, Section};
-use crate::study_summary::{BOOTSTRAP, endings};
+use super::{BOOTSTRAP, endings, quantity};
+use crate::charts::bars::{Bar, Bars, Group};
+use crate::charts::heat_map::HeatMap;
+use crate::charts::scatter::{Labelled, Scatter};
+use crate::document::{Chapter, Figures, Section};
 
 /// The name of a metric as a figure's label.
 fn metric_label(results: &Results, name: &str) -> String {

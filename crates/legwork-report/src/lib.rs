@@ -7,19 +7,19 @@
 mod balance;
 mod chart;
 mod charts;
-pub(crate) mod comparison;
-pub(crate) mod document;
-pub(crate) mod envelope;
+pub mod comparison;
+pub mod document;
+pub mod envelope;
 mod figures;
-pub(crate) mod growth;
+pub mod growth;
 mod limits;
 mod origin;
-pub(crate) mod reproduction;
+pub mod reproduction;
 mod scale;
 mod stage;
 mod stick;
 mod strip;
-pub(crate) mod study;
+pub mod study;
 mod svg;
 mod tables;
 #[cfg(test)]
@@ -39,7 +39,7 @@ const NARROW: f64 = 380.0;
 const SCRIPT: &str = include_str!("animation.js");
 
 /// A page with all `runs`: figures beside the thesis's, charts, animation, books, and how to repeat it.
-pub(crate) fn html(runs: &[Run]) -> String {
+pub fn html(runs: &[Run]) -> String {
     let names: Vec<&str> = runs.iter().map(|run| run.scenario.name.as_str()).collect();
     let title = format!("legwork: {}", names.join(", "));
     let main = html! {
@@ -57,7 +57,7 @@ pub(crate) fn html(runs: &[Run]) -> String {
 }
 
 /// The figures of a run as SVG files: name, such as `walk-tracking-x.svg`, and text.
-pub(crate) fn plots(run: &Run) -> Vec<(String, String)> {
+pub fn plots(run: &Run) -> Vec<(String, String)> {
     let name = &run.scenario.name;
     let file = |figure: &Figure| {
         let drawing = figure.draw(WIDE).standalone(&format!("{name}: {}", figure.title));

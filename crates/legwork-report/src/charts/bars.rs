@@ -5,9 +5,9 @@ use maud::{Markup, html};
 use super::axis::{Quantity, Ruler, shortened};
 use super::frame::{self, GAP};
 use super::{class, no_data};
-use crate::report::scale::Px;
-use crate::report::svg::{self, Drawing, Key, Symbol, text_width};
-use crate::report::tables::number;
+use crate::scale::Px;
+use crate::svg::{self, Drawing, Key, Symbol, text_width};
+use crate::tables::number;
 
 /// Groups of bars.
 #[derive(Clone, Debug)]

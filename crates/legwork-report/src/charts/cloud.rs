@@ -7,8 +7,8 @@ use maud::{Markup, html};
 use super::axis::{Quantity, Ruler};
 use super::frame::{self, GAP};
 use super::{is_finite, no_data};
-use crate::report::scale::Px;
-use crate::report::svg::{self, Drawing, Key, Symbol};
+use crate::scale::Px;
+use crate::svg::{self, Drawing, Key, Symbol};
 
 /// Small panels with the same axes.
 #[derive(Clone, Debug)]

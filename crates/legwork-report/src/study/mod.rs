@@ -4,12 +4,14 @@ mod along;
 mod indices;
 
 use std::collections::BTreeSet;
+use std::fmt::Write as _;
 
 use legwork::diagnosis::FirstCause;
 use legwork::error::Error;
 use legwork::study::Factor;
 use legwork::study::design::Design;
-use legwork::study::results::Results;
+use legwork::study::results::{Endings, Results};
+use legwork::study::sensitivity::Bootstrap;
 use maud::{Markup, html};
 
 use super::charts::axis::Quantity;
@@ -17,11 +19,14 @@ use super::document::{Chapter, Figures, Page, Section, page as document};
 use along::{is_map, maps, parts, sweeps};
 use indices::{morris, sobol};
 
+/// The intervals of the indices: percentile bootstrap of the base samples.
+pub const BOOTSTRAP: Bootstrap = Bootstrap { resamples: 1000, level: 0.95, seed: 1 };
+
 /// The page of `results`.
 ///
 /// # Errors
 /// The indices cannot be computed from them.
-pub(crate) fn page(results: &Results) -> Result<Page, Error> {
+pub fn page(results: &Results) -> Result<Page, Error> {
     let study = results.study;
     let mut figures = Figures::default();
     let mut chapters = vec![Chapter {
@@ -72,6 +77,27 @@ pub(crate) fn page(results: &Results) -> Result<Page, Error> {
         }
     };
     Ok(document(&format!("Study: {}", study.name), &lead, &chapters, figures))
+}
+
+/// How many fell, and of what.
+pub fn endings(endings: &Endings) -> String {
+    let Endings { rollouts, completed, fell, invalid, failed, causes } = endings;
+    let mut text = format!("{completed} of {rollouts} on their feet to the end");
+    if *fell > 0 {
+        let mut causes: Vec<_> = causes.iter().collect();
+        causes.sort_by_key(|(name, count)| (std::cmp::Reverse(**count), (*name).clone()));
+        let causes: Vec<String> = causes.iter().map(|(cause, count)| format!("{cause} {count}")).collect();
+        let _ = write!(text, ", {fell} fell");
+        if !causes.is_empty() {
+            let _ = write!(text, " ({})", causes.join(", "));
+        }
+    }
+    for (count, what) in [(invalid, "could not be run"), (failed, "failed by a defect of the program")] {
+        if *count > 0 {
+            let _ = write!(text, ", {count} {what}");
+        }
+    }
+    text
 }
 
 const FALL_NOTE: &str = "A cross marks a fall; the figures of a run that fell are not drawn.";

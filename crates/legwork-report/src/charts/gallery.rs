@@ -10,7 +10,7 @@ use super::polar::{Curve, Polar};
 use super::scatter::{Labelled, Scatter};
 use super::survival_map::{Cell, CellOutcome, SurvivalMap};
 use super::sweep::{Panel, Part, Point, Series, Sweep};
-use crate::report::svg::{self, Drawing};
+use crate::svg::{self, Drawing};
 
 fn quantity(name: &str, unit: &str) -> Quantity {
     Quantity { name: name.into(), unit: unit.into(), log: false }

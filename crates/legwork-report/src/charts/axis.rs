@@ -1,7 +1,7 @@
 //! Axes of numbers, linear or logarithmic, and of texts: where on the paper their values and ticks are.
 
-use crate::report::scale::{self, Scale, extent, multiples, power_of_ten, round_step, tick_label};
-use crate::report::svg::text_width;
+use crate::scale::{self, Scale, extent, multiples, power_of_ten, round_step, tick_label};
+use crate::svg::text_width;
 
 /// What an axis or a colour shows.
 #[derive(Clone, Debug, Default)]

@@ -3,8 +3,8 @@
 use maud::{Markup, html};
 
 use super::axis::Ruler;
-use crate::report::scale::Px;
-use crate::report::svg;
+use crate::scale::Px;
+use crate::svg;
 
 /// Between an axis and its numbers [px].
 pub(super) const GAP: f64 = 8.0;

@@ -19,7 +19,7 @@ use super::figures;
 use super::tables::number;
 
 /// The page of `reproduction`.
-pub(crate) fn page(reproduction: &Reproduction) -> Page {
+pub fn page(reproduction: &Reproduction) -> Page {
     let mut figures = Figures::default();
     let chapters = vec![
         tables(reproduction),

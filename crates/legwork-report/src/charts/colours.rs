@@ -6,8 +6,8 @@
 use maud::{Markup, html};
 
 use super::axis::{Quantity, Ruler};
-use crate::report::scale::{Px, extent, round_step, tick_label};
-use crate::report::svg::text_width;
+use crate::scale::{Px, extent, round_step, tick_label};
+use crate::svg::text_width;
 
 /// Lightness, green to red, blue to yellow.
 type Oklab = [f64; 3];

@@ -1,13 +1,9 @@
 //! Pages of chapters with figures, for what is more than a run: complete in themselves, in light, dark and print.
 
-use std::path::Path;
-
-use legwork::error::Error;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::svg::{self, Drawing};
 use super::{NARROW, WIDE, file_name};
-use crate::output::{Failure, write_text};
 
 const DARK: &str = include_str!("dark.css");
 const PAGE_STYLE: &str = include_str!("page.css");
@@ -16,24 +12,12 @@ const PAGE_STYLE: &str = include_str!("page.css");
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:";
 
 /// A page with the files of its figures.
-pub(crate) struct Page {
+#[derive(Clone, Debug)]
+pub struct Page {
     /// The page, complete in itself.
-    pub(crate) html: String,
+    pub html: String,
     /// Name and text of each figure as an SVG file.
-    pub(crate) figures: Vec<(String, String)>,
-}
-
-/// The name of a page in the folder of its data.
-pub(crate) const PAGE: &str = "report.html";
-
-impl Page {
-    /// Writes the page into `folder`, and its figures into a folder of their own in it.
-    pub(crate) fn write(&self, folder: &Path) -> Result<(), Failure> {
-        let figures = folder.join("figures");
-        std::fs::create_dir_all(&figures).map_err(|error| Error::io(&figures, &error))?;
-        self.figures.iter().try_for_each(|(name, svg)| write_text(&figures.join(name), svg))?;
-        write_text(&folder.join(PAGE), &self.html)
-    }
+    pub figures: Vec<(String, String)>,
 }
 
 /// A part of a page with a heading.

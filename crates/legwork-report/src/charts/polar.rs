@@ -4,9 +4,9 @@ use maud::{Markup, html};
 
 use super::axis::{Quantity, Ruler};
 use super::{class, is_finite, mark, no_data};
-use crate::report::scale::Px;
-use crate::report::svg::{self, Drawing, Key, Symbol, text_width};
-use crate::report::tables::number;
+use crate::scale::Px;
+use crate::svg::{self, Drawing, Key, Symbol, text_width};
+use crate::tables::number;
 
 /// Curves around a centre.
 #[derive(Clone, Debug)]

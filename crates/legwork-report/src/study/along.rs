@@ -6,10 +6,10 @@ use legwork::study::{Ending, Factor, Level};
 use maud::{Markup, html};
 
 use super::{FALL_NOTE, axis, quantity};
-use crate::report::charts::survival_map::{Cell, CellOutcome, SurvivalMap};
-use crate::report::charts::sweep::{Panel, Part, Point, Series, Sweep};
-use crate::report::document::{Figures, Section};
-use crate::report::tables::number;
+use crate::charts::survival_map::{Cell, CellOutcome, SurvivalMap};
+use crate::charts::sweep::{Panel, Part, Point, Series, Sweep};
+use crate::document::{Figures, Section};
+use crate::tables::number;
 
 /// A figure with its mean and peak, or a single one.
 struct Family {

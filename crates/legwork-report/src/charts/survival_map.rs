@@ -6,8 +6,8 @@ use super::axis::{Quantity, Ruler};
 use super::colours::Colours;
 use super::frame::{self, GAP};
 use super::no_data;
-use crate::report::scale::Px;
-use crate::report::svg::{self, Drawing, Key, Symbol, text_width};
+use crate::scale::Px;
+use crate::svg::{self, Drawing, Key, Symbol, text_width};
 
 /// Cells at the values of two parameters.
 #[derive(Clone, Debug)]

@@ -2,8 +2,10 @@
 
 use legwork::study::Ending;
 use legwork::study::limits::Answer;
+use legwork::study::robustness::{Cell as Struck, Stride};
 use legwork::study::sizing::{Coping, Demand, Pair, Sizing, Use};
 use maud::{Markup, html};
+use serde::Serialize;
 
 use super::charts::axis::Quantity;
 use super::charts::cloud::{self, Cloud};
@@ -12,10 +14,39 @@ use super::charts::polar::{Curve, Polar};
 use super::charts::survival_map::{Cell, CellOutcome, SurvivalMap};
 use super::document::{Chapter, Figures, Page, Section, page as document};
 use super::tables::number;
-use crate::limits::{Report, RobustnessMap};
+
+/// All that was found; none in parts that were not asked for.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// The scenario that walks.
+    pub walk: String,
+    /// The scenario that is pushed.
+    pub push: String,
+    /// Whether it was sought quickly: in coarse steps, not confirmed as well.
+    pub quick: bool,
+    /// Whether it was interrupted, so that something is missing.
+    pub interrupted: bool,
+    /// The limits.
+    pub limits: Option<Vec<Answer>>,
+    /// The robustness map.
+    pub robustness: Option<RobustnessMap>,
+    /// The actuator-sizing table.
+    pub sizing: Option<Sizing>,
+    /// The map over speed and torque limit.
+    pub map: Option<Vec<Pair>>,
+}
+
+/// The robustness map.
+#[derive(Clone, Debug, Serialize)]
+pub struct RobustnessMap {
+    /// The stride whose phases are struck; none where the robot does not walk.
+    pub stride: Option<Stride>,
+    /// Its cells.
+    pub cells: Vec<Struck>,
+}
 
 /// The page of `report`.
-pub(crate) fn page(report: &Report) -> Page {
+pub fn page(report: &Report) -> Page {
     let mut figures = Figures::default();
     let mut chapters = Vec::new();
     chapters.extend(report.limits.as_deref().map(|answers| limits(answers, report.quick)));

@@ -9,7 +9,7 @@ use super::polar::{Curve, Polar};
 use super::scatter::{Labelled, Scatter};
 use super::survival_map::{Cell, CellOutcome, SurvivalMap};
 use super::sweep::{Panel, Part, Point, Series, Sweep};
-use crate::report::svg::{Drawing, text_width};
+use crate::svg::{Drawing, text_width};
 
 const WIDTHS: [f64; 4] = [380.0, 430.0, 640.0, 860.0];
 
@@ -91,7 +91,7 @@ fn assert_sound(name: &str, drawing: &Drawing) {
         "{name}: {}",
         drawing.description
     );
-    crate::report::tests::assert_well_formed(&whole, &[]);
+    crate::tests::assert_well_formed(&whole, &[]);
 }
 
 fn assert_readable(name: &str, drawing: &Drawing) {
@@ -265,7 +265,7 @@ fn where_there_is_nothing_to_draw_it_says_so() {
 
 #[test]
 fn texts_are_large_enough_to_be_read_at_half_the_size() {
-    let sizes = crate::report::svg::FIGURE_STYLE.split("font-size: ").skip(1);
+    let sizes = crate::svg::FIGURE_STYLE.split("font-size: ").skip(1);
     let sizes: Vec<f64> =
         sizes.map(|rest| rest.split("px").next().and_then(|size| size.parse().ok()).expect("px")).collect();
     assert!(sizes.len() > 1 && sizes.iter().all(|size| *size >= 11.0), "{sizes:?}");

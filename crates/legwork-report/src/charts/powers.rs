@@ -6,8 +6,8 @@ use maud::{Markup, html};
 use super::axis::{Quantity, Ruler};
 use super::frame::{self, GAP};
 use super::{class, is_finite, mark, no_data};
-use crate::report::scale::Px;
-use crate::report::svg::{self, Drawing, Key, Symbol, text_width};
+use crate::scale::Px;
+use crate::svg::{self, Drawing, Key, Symbol, text_width};
 
 /// Panels side by side over different sizes, with one axis of values.
 #[derive(Clone, Debug)]
