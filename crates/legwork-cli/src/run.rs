@@ -9,7 +9,7 @@ use legwork::error::Error;
 use legwork::scenario::Scenario;
 use legwork::{episode, log_file, scenario_file};
 use legwork_rbd::Model;
-use legwork_report as report;
+use legwork_report::run as report;
 
 use crate::args::RunArgs;
 use crate::long_work::{INTERRUPTED, Progress, interrupted, listen_for_interrupt};

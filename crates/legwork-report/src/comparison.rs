@@ -6,12 +6,12 @@ use legwork::study::sizing::{Pair, Sizing};
 use maud::{Markup, html};
 use serde::Serialize;
 
-use super::charts::axis::Quantity;
-use super::charts::bars::{Bar, Bars, Group};
-use super::charts::sweep::{Panel, Part, Point, Series, Sweep};
-use super::document::{Chapter, Figures, Page, Section, page as document};
 use super::envelope::{demands, speed_torque_figure, torque_speed_figure};
-use super::tables::number;
+use crate::charts::axis::Quantity;
+use crate::charts::bars::{Bar, Bars, Group};
+use crate::charts::numbers::number;
+use crate::charts::sweep::{Panel, Part, Point, Series, Sweep};
+use crate::document::{Chapter, Figures, Page, Section, page as document};
 
 /// All that was found.
 #[derive(Clone, Debug, Serialize)]
@@ -92,7 +92,7 @@ const ROWS: [Row; 7] = [
     ("cost of transport", 2, |f| f.cost_of_transport),
     ("XcoM error, mean [mm]", 1, |f| f.xcom_error_mean_m.map(|error| 1e3 * error)),
     ("XcoM error, peak [mm]", 1, |f| f.xcom_error_peak_m.map(|error| 1e3 * error)),
-    ("peak ground force [N]", 0, |f| Some(f.ground_force_peak_n)),
+    ("peak force, all of the robot [N]", 0, |f| Some(f.ground_force_peak_n)),
 ];
 
 /// Where there is no value.
@@ -191,10 +191,6 @@ fn lead(report: &Report) -> Markup {
     }
 }
 
-fn quantity(name: &str, unit: &str) -> Quantity {
-    Quantity { name: name.into(), unit: unit.into(), log: false }
-}
-
 /// All robots at one speed.
 fn walk(report: &Report, speed: f64, figures: &mut Figures) -> Section {
     let gaits: Vec<_> =
@@ -234,7 +230,7 @@ fn torques(report: &Report, walks: &[Option<&Walk>]) -> Bars {
         bars: walks.iter().map(|walk| peak(walk, joint)).chain([Some(*of_person)]).map(bar).collect(),
     });
     Bars {
-        value: quantity("peak torque", "Nm"),
+        value: Quantity::new("peak torque", "Nm"),
         series: report.robots.iter().map(|robot| robot.scenario.clone()).chain(["person".to_owned()]).collect(),
         interval: String::new(),
         groups: groups.collect(),
@@ -248,14 +244,14 @@ fn pushes(robots: &[Robot], quick: bool, figures: &mut Figures) -> Option<Sectio
         let of =
             |robot| struck.iter().map(|&phase| impulse(robot, Some(phase), direction).unwrap_or(f64::NAN)).collect();
         let values = robots.iter().map(of).collect();
-        Panel { title: title.to_owned(), parts: vec![Part { y: quantity("largest impulse", "Ns"), values }] }
+        Panel { title: title.to_owned(), parts: vec![Part::new(Quantity::new("largest impulse", "Ns"), values)] }
     };
     let series = |robot: &Robot| Series {
         label: robot.scenario.clone(),
         points: struck.iter().map(|&x| Point { x, fell: false }).collect(),
     };
     let sweep = Sweep {
-        x: quantity("phase of the stride", ""),
+        x: Quantity::new("phase of the stride", ""),
         categories: Vec::new(),
         marked: None,
         series: robots.iter().map(series).collect(),

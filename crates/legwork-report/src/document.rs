@@ -2,10 +2,10 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::svg::{self, Drawing};
-use super::{NARROW, WIDE, file_name};
+use crate::charts::svg::{self, Drawing};
+use crate::{NARROW, WIDE, file_name};
 
-const DARK: &str = include_str!("dark.css");
+const DARK: &str = include_str!("charts/dark.css");
 const PAGE_STYLE: &str = include_str!("page.css");
 
 /// The page may run what it holds and load nothing.

@@ -7,13 +7,14 @@ use legwork::study::sizing::{Coping, Demand, Pair, Sizing, Use};
 use maud::{Markup, html};
 use serde::Serialize;
 
-use super::charts::axis::Quantity;
-use super::charts::cloud::{self, Cloud};
-use super::charts::heat_map::HeatMap;
-use super::charts::polar::{Curve, Polar};
-use super::charts::survival_map::{Cell, CellOutcome, SurvivalMap};
-use super::document::{Chapter, Figures, Page, Section, page as document};
-use super::tables::number;
+use crate::charts::axis::{Axis, Quantity};
+use crate::charts::chart::{Chart, Part, Stack};
+use crate::charts::cloud::Cloud;
+use crate::charts::layer::Layer;
+use crate::charts::map::{HeatMap, Holds, SurvivalMap};
+use crate::charts::numbers::number;
+use crate::charts::polar::{Curve, Polar};
+use crate::document::{Chapter, Figures, Page, Section, page as document};
 
 /// All that was found; none in parts that were not asked for.
 #[derive(Clone, Debug, Serialize)]
@@ -58,10 +59,6 @@ pub fn page(report: &Report) -> Page {
         @if report.interrupted { p class="banner warning" { "The work was interrupted: some of it is missing." } }
     };
     document("Limits and sizing", &lead, &chapters, figures)
-}
-
-fn quantity(name: &str, unit: &str) -> Quantity {
-    Quantity { name: name.into(), unit: unit.into(), log: false }
 }
 
 fn limits(answers: &[Answer], quick: bool) -> Chapter {
@@ -122,7 +119,7 @@ fn robustness(map: &RobustnessMap, figures: &mut Figures) -> Chapter {
         cell.and_then(|cell| cell.found.value).unwrap_or(f64::NAN)
     };
     let polar = Polar {
-        radius: quantity("largest impulse", "Ns/kg"),
+        radius: Quantity::new("largest impulse", "Ns/kg"),
         directions: ["forward", "up", "backward", "down"].map(str::to_owned),
         curves: phases
             .iter()
@@ -137,7 +134,7 @@ fn robustness(map: &RobustnessMap, figures: &mut Figures) -> Chapter {
         column_title: "direction of the push".into(),
         rows: phases.iter().map(|&phase| label(phase)).collect(),
         columns: directions.iter().map(|direction| format!("{direction:.0}\u{b0}")).collect(),
-        value: quantity("largest impulse", "Ns/kg"),
+        value: Quantity::new("largest impulse", "Ns/kg"),
         cells: phases
             .iter()
             .map(|&phase| directions.iter().map(|&direction| value(phase, direction)).collect())
@@ -220,27 +217,26 @@ pub(super) fn torque_speed_figure(used: &Use, figures: &mut Figures) -> Markup {
     )
 }
 
-fn torque_speed(used: &Use) -> Cloud {
-    let limit = |joint: &Demand| {
-        if joint.at_limit > 0.0 { vec![joint.torque_peak_nm, -joint.torque_peak_nm] } else { Vec::new() }
-    };
+fn torque_speed(used: &Use) -> Chart {
     let largest = used.joints.iter().map(|joint| joint.power_peak_w).fold(0.0, f64::max);
-    Cloud {
-        x: quantity("speed", "rad/s"),
-        y: quantity("torque", "Nm"),
-        panels: used
-            .joints
-            .iter()
-            .zip(&used.points)
-            .map(|(joint, points)| cloud::Panel {
-                title: joint.joint.replace('_', " "),
-                points: points.clone(),
-                limits: limit(joint),
-            })
-            .collect(),
-        products: [100.0, 300.0, 1000.0, 3000.0].into_iter().filter(|power| *power < largest).collect(),
-        product: quantity("power", "W"),
-    }
+    let products: Vec<f64> = [100.0, 300.0, 1000.0, 3000.0].into_iter().filter(|power| *power < largest).collect();
+    let axis = |name: &str, unit: &str, k: usize| {
+        Axis::around(Quantity::new(name, unit), used.points.iter().flatten().map(|point| point[k]))
+    };
+    let stack = |(joint, points): (&Demand, &Vec<[f64; 2]>)| {
+        let cloud = Cloud {
+            points: points.clone(),
+            products: products.clone(),
+            product: Quantity::new("power", "W").title(0),
+            among: used.joints.len(),
+        };
+        let limits = [joint.torque_peak_nm, -joint.torque_peak_nm].into_iter().filter(|_| joint.at_limit > 0.0);
+        let limits = limits.map(|y| Layer::Level { class: "bound", label: "torque limit".into(), y });
+        let layers = [Layer::Cloud(cloud)].into_iter().chain(limits).collect();
+        let part = Part { y: axis("torque", "Nm", 1), height: 190.0, layers, notes: Vec::new() };
+        Stack { title: joint.joint.replace('_', " "), x: axis("speed", "rad/s", 0), parts: vec![part] }
+    };
+    Chart::new(used.joints.iter().zip(&used.points).map(stack).collect(), (185.0, 4))
 }
 
 fn speed_torque(pairs: &[Pair], figures: &mut Figures) -> Chapter {
@@ -254,18 +250,15 @@ fn speed_torque(pairs: &[Pair], figures: &mut Figures) -> Chapter {
 
 /// The map over speed and torque limit; its file is called after `name`.
 pub(super) fn speed_torque_figure(name: &str, pairs: &[Pair], figures: &mut Figures) -> Markup {
-    let outcome = |pair: &Pair| match pair.coping {
-        Coping::Falls => CellOutcome::Fell,
-        _ => CellOutcome::Survived(pair.mean_speed_mps.unwrap_or(f64::NAN) / pair.speed_mps),
+    let holds = |pair: &Pair| match pair.coping {
+        Coping::Falls => Holds::Fell,
+        _ => Holds::Value(pair.mean_speed_mps.unwrap_or(f64::NAN) / pair.speed_mps),
     };
     let map = SurvivalMap {
-        x: quantity("speed asked for", "m/s"),
-        y: quantity("torque limit", "Nm"),
-        shade: Some(quantity("speed reached, as a share", "")),
-        cells: pairs
-            .iter()
-            .map(|pair| Cell { x: pair.speed_mps, y: pair.torque_limit_nm, outcome: outcome(pair) })
-            .collect(),
+        x: Quantity::new("speed asked for", "m/s"),
+        y: Quantity::new("torque limit", "Nm"),
+        shade: Some(Quantity::new("speed reached, as a share", "")),
+        cells: pairs.iter().map(|pair| ([pair.speed_mps, pair.torque_limit_nm], holds(pair))).collect(),
     };
     figures.add(
         name,

@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
-use super::WIDE;
-use super::charts::axis::Quantity;
-use super::charts::powers::{Curve, Panel, Powers};
+use crate::WIDE;
+use crate::charts::axis::{Axis, Quantity};
+use crate::charts::chart::{Chart, Part, Stack};
+use crate::charts::layer::Layer;
 
 /// Growth with degrees of freedom, then with contact points.
 #[derive(Clone, Debug, Serialize)]
@@ -54,25 +55,33 @@ pub struct Series {
     pub expected: [f64; 2],
 }
 
-/// The figure as a file of its own.
+/// The figure as a file of its own: both axes are logarithmic, so that a power of the size is a straight line.
 pub fn svg(growth: &Growth) -> String {
-    let chart = Powers { y: quantity("time", "µs"), panels: growth.tables.iter().map(panel).collect() };
-    chart.draw(WIDE).standalone("How tick and step grow with the robot")
+    Chart::new(growth.tables.iter().map(stack).collect(), (300.0, 2))
+        .draw(WIDE)
+        .standalone("How tick and step grow with the robot")
 }
 
-fn quantity(name: &str, unit: &str) -> Quantity {
-    Quantity { name: name.into(), unit: unit.into(), log: true }
-}
-
-fn panel(table: &Table) -> Panel {
-    let curve = |(index, series): (usize, &Series)| Curve {
-        label: series.name.into(),
-        exponent: series.exponent,
-        points: table.rows.iter().map(|row| [row.size as f64, row.times_us[index]]).collect(),
+fn stack(table: &Table) -> Stack {
+    let points = |index: usize| -> Vec<[f64; 2]> {
+        table.rows.iter().map(|row| [row.size as f64, row.times_us[index]]).collect()
     };
-    Panel {
-        title: table.held.clone(),
-        x: quantity(table.over, ""),
-        curves: table.series.iter().enumerate().map(curve).collect(),
-    }
+    let curve = |(number, series): (usize, &Series)| Layer::Series {
+        number,
+        label: series.name.into(),
+        points: points(number),
+        joined: true,
+    };
+    let note = |(number, series): (usize, &Series)| {
+        Some((points(number).last()?[1], format!("{} ~ n^{:.1}", series.name, series.exponent?)))
+    };
+    let mut part = Part::new(
+        Quantity::new("time", "\u{b5}s").logarithmic(true),
+        330.0,
+        table.series.iter().enumerate().map(curve).collect(),
+    );
+    part.notes = table.series.iter().enumerate().filter_map(note).collect();
+    let sizes = table.rows.iter().map(|row| row.size as f64);
+    let x = Axis::around(Quantity::new(table.over, "").logarithmic(true), sizes);
+    Stack { title: table.held.clone(), x, parts: vec![part] }
 }

@@ -12,11 +12,11 @@ use legwork::reproduce::{Reproduction, terms};
 use legwork::study::Ending;
 use maud::{Markup, html};
 
-use super::charts::axis::Quantity;
-use super::charts::sweep::{Panel, Part, Point, Series, Sweep};
-use super::document::{Chapter, Figures, Page, Section, page as document};
-use super::figures;
-use super::tables::number;
+use crate::charts::axis::Quantity;
+use crate::charts::numbers::number;
+use crate::charts::sweep::{Panel, Part, Point, Series, Sweep};
+use crate::document::{Chapter, Figures, Page, Section, page as document};
+use crate::run::figures;
 
 /// The page of `reproduction`.
 pub fn page(reproduction: &Reproduction) -> Page {
@@ -227,12 +227,12 @@ fn sweep(reproduction: &Reproduction, study: &str, experiment: Experiment) -> Sw
     let panel = |(title, name, unit): (&str, &str, &str)| Panel {
         title: title.into(),
         parts: ["mean", "peak"]
-            .map(|kind| Part { y: quantity(kind, unit), values: values(&format!("{name}.{kind}")) })
+            .map(|kind| Part::new(Quantity::new(kind, unit), values(&format!("{name}.{kind}"))))
             .into(),
     };
     let first = sweeps[0];
     Sweep {
-        x: Quantity { log: first.is_logarithmic, ..quantity(&first.factor, first.unit) },
+        x: Quantity::new(&first.factor, first.unit).logarithmic(first.is_logarithmic),
         categories: Vec::new(),
         marked: Some((first.marked, "thesis".into())),
         series: series.collect(),
@@ -241,16 +241,12 @@ fn sweep(reproduction: &Reproduction, study: &str, experiment: Experiment) -> Sw
             ("feet error", "feet_error_m", "m"),
             ("torso deviation", "torso_deviation_rad", "rad"),
             ("joint torque", "torque_nm", "Nm"),
-            ("ground reaction force", "grf_n", "N"),
+            ("force on a contact point", "grf_n", "N"),
             ("u\u{b2}", "u2_n2m2", "N\u{b2}m\u{b2}"),
         ]
         .map(panel)
         .into(),
     }
-}
-
-fn quantity(name: &str, unit: &str) -> Quantity {
-    Quantity { name: name.into(), unit: unit.into(), log: false }
 }
 
 fn limits(reproduction: &Reproduction) -> Chapter {

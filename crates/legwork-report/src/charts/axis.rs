@@ -1,7 +1,7 @@
 //! Axes of numbers, linear or logarithmic, and of texts: where on the paper their values and ticks are.
 
-use crate::scale::{self, Scale, extent, multiples, power_of_ten, round_step, tick_label};
-use crate::svg::text_width;
+use super::numbers::{extent, multiples, power_of_ten, round_step, tick_label};
+use super::svg::text_width;
 
 /// What an axis or a colour shows.
 #[derive(Clone, Debug, Default)]
@@ -14,13 +14,47 @@ pub(crate) struct Quantity {
 }
 
 impl Quantity {
+    /// A quantity whose axis is linear.
+    pub(crate) fn new(name: impl Into<String>, unit: &str) -> Self {
+        Self { name: name.into(), unit: unit.to_owned(), log: false }
+    }
+
+    /// The same on a logarithmic axis, if `log`.
+    pub(crate) fn logarithmic(self, log: bool) -> Self {
+        Self { log, ..self }
+    }
+
     /// Its name, and in brackets a power of ten and its unit.
-    pub(super) fn title(&self, exponent: i32) -> String {
+    pub(crate) fn title(&self, exponent: i32) -> String {
         let power = if exponent == 0 { String::new() } else { power_of_ten(exponent) };
         let bracket =
             [power, self.unit.clone()].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ");
         let parts = [self.name.clone(), if bracket.is_empty() { bracket } else { format!("[{bracket}]") }];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" ")
+    }
+}
+
+/// A linear map from data to pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Scale {
+    /// What the data cover.
+    domain: [f64; 2],
+    /// Where that is drawn [px].
+    range: [f64; 2],
+}
+
+impl Scale {
+    /// Where `value` is drawn [px].
+    fn at(&self, value: f64) -> f64 {
+        let [from, to] = self.domain;
+        let [start, end] = self.range;
+        start + (value - from) / (to - from) * (end - start)
+    }
+
+    /// As [`Scale::at`], held within the range.
+    fn within(&self, value: f64) -> f64 {
+        let [start, end] = self.range;
+        self.at(value).clamp(start.min(end), start.max(end))
     }
 }
 
@@ -31,6 +65,93 @@ pub(super) struct Tick {
     pub(super) at: f64,
     /// Empty for a mark between two numbers.
     pub(super) label: String,
+}
+
+/// What an axis shows and covers, before it has its place on the paper.
+#[derive(Clone, Debug)]
+pub(crate) struct Axis {
+    quantity: Quantity,
+    covers: Covers,
+}
+
+#[derive(Clone, Debug)]
+enum Covers {
+    /// From the first to the second value, a little more, and at least that much.
+    Around([f64; 2], Option<f64>),
+    /// From here to there and no further.
+    Exactly([f64; 2]),
+    /// The n-th text at the value n.
+    Texts(Vec<String>),
+}
+
+impl Axis {
+    /// An axis that covers `values` and a little more.
+    pub(crate) fn around(quantity: Quantity, values: impl IntoIterator<Item = f64>) -> Self {
+        let (low, high) = extent(values).unwrap_or((f64::NAN, f64::NAN));
+        Self { quantity, covers: Covers::Around([low, high], None) }
+    }
+
+    /// As [`Axis::around`], with zero where the values are close to it.
+    pub(crate) fn near_zero(quantity: Quantity, values: impl IntoIterator<Item = f64>) -> Self {
+        let (low, high) = extent(values).unwrap_or((f64::NAN, f64::NAN));
+        let low = if low > 0.0 && low < 0.6 * high && !quantity.log { 0.0 } else { low };
+        Self { quantity, covers: Covers::Around([low, high], None) }
+    }
+
+    /// An axis that covers at least so much, whatever its values.
+    pub(crate) fn at_least(mut self, least: f64) -> Self {
+        if let Covers::Around(_, covered) = &mut self.covers {
+            *covered = Some(least);
+        }
+        self
+    }
+
+    /// An axis that covers `domain` and no more.
+    pub(crate) fn exactly(quantity: Quantity, domain: [f64; 2]) -> Self {
+        Self { quantity, covers: Covers::Exactly(domain) }
+    }
+
+    /// An axis of texts, the n-th at the value n. Where there is no room for a line each, every second, third, ... is left.
+    pub(crate) fn of_texts(title: &str, texts: Vec<String>) -> Self {
+        Self { quantity: Quantity::new(title, ""), covers: Covers::Texts(texts) }
+    }
+
+    /// Its texts cut off to be at most `width` wide [px].
+    pub(super) fn shortened(&self, width: f64) -> Self {
+        let mut axis = self.clone();
+        if let Covers::Texts(texts) = &mut axis.covers {
+            texts.iter_mut().for_each(|text| *text = shortened(text, width));
+        }
+        axis
+    }
+
+    /// Its name and unit.
+    pub(super) fn title(&self) -> String {
+        self.quantity.title(0)
+    }
+
+    /// Its texts; none of an axis of numbers.
+    pub(super) fn texts(&self) -> Option<&[String]> {
+        if let Covers::Texts(texts) = &self.covers { Some(texts) } else { None }
+    }
+
+    /// It on the paper, along `range`, with numbers at least `spacing` apart [px].
+    pub(super) fn on(&self, range: [f64; 2], spacing: f64) -> Ruler {
+        let most = (((range[1] - range[0]).abs() / spacing) as usize).max(2);
+        match &self.covers {
+            Covers::Around([low, high], _) if self.quantity.log && *low > 0.0 => {
+                let [low, high] = [low.log10(), high.log10()];
+                let air = (0.04 * (high - low)).max(0.5 * (0.3 - (high - low)));
+                logarithmic(&self.quantity, [low - air, high + air], range, most)
+            }
+            Covers::Around(ends, least) => linear(&self.quantity, padded(*ends, *least), range, most),
+            Covers::Exactly(domain) if self.quantity.log && domain[0] > 0.0 => {
+                logarithmic(&self.quantity, domain.map(f64::log10), range, most)
+            }
+            Covers::Exactly(domain) => linear(&self.quantity, *domain, range, most),
+            Covers::Texts(texts) => of_texts(&self.quantity.name, texts, range),
+        }
+    }
 }
 
 /// An axis laid out on the paper.
@@ -48,47 +169,11 @@ const SLANT: f64 = 35.0;
 const LINE: f64 = 14.0;
 
 impl Ruler {
-    /// An axis that covers `values`, with numbers at least `spacing` apart [px].
-    pub(super) fn of(quantity: &Quantity, values: &[f64], range: [f64; 2], spacing: f64) -> Self {
-        let most = most(range, spacing);
-        let mut finite = values.iter().filter(|value| value.is_finite()).peekable();
-        if quantity.log && finite.peek().is_some() && finite.all(|value| *value > 0.0) {
-            let (low, high) = extent(values.iter().map(|value| value.log10())).unwrap_or((0.0, 0.0));
-            let air = (0.04 * (high - low)).max(0.5 * (0.3 - (high - low)));
-            logarithmic(quantity, [low - air, high + air], range, most)
-        } else {
-            let least = |value: f64| if value == 0.0 { 1.0 } else { 0.2 * value.abs() };
-            linear(quantity, padded(values.iter().copied(), least), range, most)
-        }
-    }
-
-    /// A linear axis that covers `domain` and no more.
-    pub(super) fn spanning(quantity: &Quantity, domain: [f64; 2], range: [f64; 2], spacing: f64) -> Self {
-        linear(quantity, domain, range, most(range, spacing))
-    }
-
-    /// An axis from the first to the last of `edges` and no further, with numbers at least `spacing` apart [px].
-    pub(super) fn of_cells(quantity: &Quantity, edges: &[f64], range: [f64; 2], spacing: f64) -> Self {
-        let domain = [edges[0], edges[edges.len() - 1]];
-        if quantity.log && domain[0] > 0.0 {
-            logarithmic(quantity, domain.map(f64::log10), range, most(range, spacing))
-        } else {
-            Self::spanning(quantity, domain, range, spacing)
-        }
-    }
-
-    /// An axis of texts, the n-th at the value n. Where there is no room for a line each, every second, third, ... is left.
-    pub(super) fn of_texts(title: &str, texts: &[String], range: [f64; 2]) -> Self {
-        let count = texts.len().max(1) as f64;
-        let scale = Scale { domain: [-0.5, count - 0.5], range };
-        let stride = (LINE * count / (range[1] - range[0]).abs()).ceil().max(1.0) as usize;
-        let shown = texts.iter().enumerate().step_by(stride);
-        let ticks = shown.map(|(k, text)| Tick { at: scale.at(k as f64), label: text.clone() });
-        Self { scale, log: false, ticks: ticks.collect(), title: title.to_owned() }
-    }
-
-    /// Where `value` is drawn [px].
+    /// Where `value` is drawn [px], within the axis; not a number for what is none.
     pub(super) fn at(&self, value: f64) -> f64 {
+        if !value.is_finite() {
+            return f64::NAN;
+        }
         self.scale.within(if self.log { value.max(f64::MIN_POSITIVE).log10() } else { value })
     }
 
@@ -135,19 +220,24 @@ impl Ruler {
     }
 }
 
-/// The range of `values`, a little wider; never empty.
-fn padded(values: impl IntoIterator<Item = f64>, least: impl Fn(f64) -> f64) -> [f64; 2] {
-    let (low, high) = extent(values).unwrap_or((0.0, 1.0));
-    let missing = (least(high) - (high - low)).max(0.0);
+fn of_texts(title: &str, texts: &[String], range: [f64; 2]) -> Ruler {
+    let count = texts.len().max(1) as f64;
+    let scale = Scale { domain: [-0.5, count - 0.5], range };
+    let stride = (LINE * count / (range[1] - range[0]).abs()).ceil().max(1.0) as usize;
+    let shown = texts.iter().enumerate().step_by(stride);
+    let ticks = shown.map(|(k, text)| Tick { at: scale.at(k as f64), label: text.clone() });
+    Ruler { scale, log: false, ticks: ticks.collect(), title: title.to_owned() }
+}
+
+/// A range of values, a little wider, and at least `least` wide; never empty.
+fn padded([low, high]: [f64; 2], least: Option<f64>) -> [f64; 2] {
+    let [low, high] = if low.is_nan() { [0.0, if least.is_some() { 0.0 } else { 1.0 }] } else { [low, high] };
+    let least = least.unwrap_or(if high == 0.0 { 1.0 } else { 0.2 * high.abs() });
+    let missing = (least - (high - low)).max(0.0);
     let air = 0.07 * (high - low + missing);
     // What is never negative does not look as if it were.
     let down = if low >= 0.0 { low.min(air + 0.5 * missing) } else { air + 0.5 * missing };
     [low - down, high + air + 0.5 * missing]
-}
-
-/// How many intervals at least `spacing` long a range has [px].
-fn most(range: [f64; 2], spacing: f64) -> usize {
-    (((range[1] - range[0]).abs() / spacing) as usize).max(2)
 }
 
 fn linear(quantity: &Quantity, domain: [f64; 2], range: [f64; 2], most: usize) -> Ruler {
@@ -227,17 +317,8 @@ fn within_a_decade([from, to]: [f64; 2], most: usize) -> Vec<(f64, String)> {
     values.into_iter().map(|value| (value, label(value))).collect()
 }
 
-/// `values`, and zero where it is close to them.
-pub(super) fn with_near_zero(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.into_iter().collect();
-    if scale::extent(values.iter().copied()).is_some_and(|(low, high)| low > 0.0 && low < 0.6 * high) {
-        values.push(0.0);
-    }
-    values
-}
-
 /// A text cut off to be at most `width` wide [px].
-pub(super) fn shortened(text: &str, width: f64) -> String {
+fn shortened(text: &str, width: f64) -> String {
     if text_width(text) <= width {
         return text.to_owned();
     }
@@ -265,7 +346,7 @@ mod tests {
 
     #[test]
     fn a_logarithmic_axis_has_its_numbers_at_decades() {
-        let ruler = Ruler::of(&quantity(true), &[2e-5, 3e-1], [0.0, 400.0], 40.0);
+        let ruler = Axis::around(quantity(true), [2e-5, 3e-1]).on([0.0, 400.0], 40.0);
         assert_eq!(labels(&ruler), ["10\u{207b}\u{2074}", "10\u{207b}\u{b3}", "10\u{207b}\u{b2}", "10\u{207b}\u{b9}"]);
         let numbered: Vec<f64> = ruler.ticks.iter().filter(|t| !t.label.is_empty()).map(|t| t.at).collect();
         assert!(
@@ -279,7 +360,7 @@ mod tests {
     #[test]
     fn few_decades_have_plain_numbers() {
         let shown = |low: f64, high: f64| {
-            let ruler = Ruler::of(&quantity(true), &[low, high], [0.0, 300.0], 40.0);
+            let ruler = Axis::around(quantity(true), [low, high]).on([0.0, 300.0], 40.0);
             labels(&ruler).join(" ")
         };
         assert_eq!(shown(0.01, 100.0), "0.01 0.1 1 10 100");
@@ -291,9 +372,9 @@ mod tests {
     #[test]
     fn a_value_that_is_not_positive_has_no_logarithm() {
         for values in [[0.0, 10.0], [-1.0, 10.0]] {
-            assert!(!Ruler::of(&quantity(true), &values, [0.0, 300.0], 40.0).log);
+            assert!(!Axis::around(quantity(true), values).on([0.0, 300.0], 40.0).log);
         }
-        assert!(Ruler::of(&quantity(true), &[f64::NAN, 1.0, 10.0], [0.0, 300.0], 40.0).log);
+        assert!(Axis::around(quantity(true), [f64::NAN, 1.0, 10.0]).on([0.0, 300.0], 40.0).log);
     }
 
     #[test]
@@ -315,7 +396,7 @@ mod tests {
         for values in all {
             for range in [[10.0, 90.0], [0.0, 240.0], [0.0, 800.0], [200.0, 0.0]] {
                 for log in [false, true] {
-                    let ruler = Ruler::of(&quantity(log), values, range, 36.0);
+                    let ruler = Axis::around(quantity(log), values.iter().copied()).on(range, 36.0);
                     assert!(!labels(&ruler).is_empty(), "{values:?} {ruler:?}");
                     let [low, high] = [range[0].min(range[1]), range[0].max(range[1])];
                     assert!(
@@ -335,7 +416,7 @@ mod tests {
 
     #[test]
     fn a_value_lies_between_the_ticks_around_it() {
-        let ruler = Ruler::of(&quantity(false), &[0.0, 10.0], [0.0, 500.0], 50.0);
+        let ruler = Axis::around(quantity(false), [0.0, 10.0]).on([0.0, 500.0], 50.0);
         let at = |label: &str| ruler.ticks.iter().find(|tick| tick.label == label).expect("a tick").at;
         assert!((ruler.at(5.0) - 0.5 * (at("4") + at("6"))).abs() < 1e-9);
     }
@@ -344,7 +425,7 @@ mod tests {
     fn texts_stand_a_line_apart_however_many_there_are() {
         for count in [1_usize, 7, 20, 21, 200, 5000] {
             let texts: Vec<String> = (0..count).map(|k| k.to_string()).collect();
-            let ruler = Ruler::of_texts("seed", &texts, [40.0, 320.0]);
+            let ruler = Axis::of_texts("seed", texts).on([40.0, 320.0], 40.0);
             assert!(ruler.ticks.windows(2).all(|pair| pair[1].at - pair[0].at >= LINE - 1e-9), "{count}");
             // At their own places, and as many as fit: 280 px are 20 lines.
             assert!(ruler.ticks.iter().all(|tick| tick.at == ruler.at(tick.label.parse().expect("a number"))));
@@ -352,17 +433,17 @@ mod tests {
             assert_eq!(ruler.ticks.len(), count.div_ceil(stride), "{count}");
             assert_eq!(labels(&ruler)[0], "0");
         }
-        assert!(Ruler::of_texts("", &[], [0.0, 100.0]).ticks.is_empty());
+        assert!(Axis::of_texts("", Vec::new()).on([0.0, 100.0], 40.0).ticks.is_empty());
     }
 
     #[test]
     fn large_and_small_numbers_have_their_power_in_the_title() {
-        let title = |value: f64| Ruler::of(&quantity(false), &[0.0, value], [100.0, 0.0], 20.0).title;
+        let title = |value: f64| Axis::around(quantity(false), [0.0, value]).on([100.0, 0.0], 20.0).title;
         assert_eq!(title(20_000.0), "gain [10\u{b3} Nm]");
         assert_eq!(title(2e-4), "gain [10\u{207b}\u{2076} Nm]");
         assert_eq!(title(20.0), "gain [Nm]");
         assert_eq!(Quantity { name: "index".into(), ..Quantity::default() }.title(3), "index [10\u{b3}]");
-        let ruler = Ruler::of(&quantity(false), &[0.0, 20_000.0], [100.0, 0.0], 20.0);
+        let ruler = Axis::around(quantity(false), [0.0, 20_000.0]).on([100.0, 0.0], 20.0);
         assert_eq!(labels(&ruler), ["0", "5", "10", "15", "20"]);
     }
 

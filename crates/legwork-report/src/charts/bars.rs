@@ -2,12 +2,13 @@
 
 use maud::{Markup, html};
 
-use super::axis::{Quantity, Ruler, shortened};
-use super::frame::{self, GAP};
-use super::{class, no_data};
-use crate::scale::Px;
-use crate::svg::{self, Drawing, Key, Symbol, text_width};
-use crate::tables::number;
+use super::axis::{Axis, Quantity};
+use super::chart::{Chart, Part};
+use super::class;
+use super::layer::Layer;
+use super::numbers::{Px, number};
+use super::plot::Plot;
+use super::svg::{self, Drawing, Key, Symbol};
 
 /// Groups of bars.
 #[derive(Clone, Debug)]
@@ -36,7 +37,7 @@ pub(crate) struct Bar {
     pub(crate) interval: Option<[f64; 2]>,
 }
 
-/// Height of standing bars, thickness of a lying one, between lying groups [px].
+/// Height of standing bars, thickness of a lying one, between groups [px].
 const HEIGHT: f64 = 220.0;
 const THICK: f64 = 12.0;
 const SPACE: f64 = 9.0;
@@ -44,119 +45,92 @@ const SPACE: f64 = 9.0;
 const THIN: f64 = 7.0;
 const WIDE: f64 = 26.0;
 
-/// The axes of the values and of the groups, and which lies.
-struct Axes {
-    value: Ruler,
-    group: Ruler,
-    standing: bool,
-    /// Of a bar [px].
-    thickness: f64,
-}
-
-impl Axes {
-    /// The place of a value, so far across the groups [px].
-    fn place(&self, across: f64, value: f64) -> [f64; 2] {
-        if self.standing { [across, self.value.at(value)] } else { [self.value.at(value), across] }
-    }
+/// Bars that stand or lie.
+#[derive(Clone, Debug)]
+pub(crate) struct Placed {
+    bars: Bars,
+    lying: bool,
 }
 
 impl Bars {
     /// Draws them `width` wide [px].
     pub(crate) fn draw(&self, width: f64) -> Drawing {
-        if !self.groups.iter().flat_map(|group| &group.bars).any(|bar| bar.value.is_finite()) {
-            return no_data(width);
+        let groups = Axis::of_texts("", self.groups.iter().map(|group| group.label.clone()).collect());
+        let (count, bars) = (self.groups.len().max(1) as f64, self.series.len().max(1) as f64);
+        let inside = [70.0, width - 14.0];
+        let thin = (inside[1] - inside[0]) / count < THIN * bars + SPACE;
+        let lying = thin || groups.on(inside, 44.0).is_slanted();
+        let placed = Placed { bars: self.clone(), lying };
+        let values = placed.values();
+        let layers = vec![Layer::Bars(placed)];
+        if lying {
+            let part = Part { y: groups, height: count * (THICK * bars + SPACE), layers, notes: Vec::new() };
+            Chart::of(Axis::around(self.value.clone(), values), part).draw(width)
+        } else {
+            Chart::of(groups, Part::new(self.value.clone(), HEIGHT, layers)).draw(width)
         }
-        let (legend, legend_height) = svg::legend(&self.keys(), 4.0, width);
-        let top = legend_height + 30.0;
-        let (axes, height) = self.axes(width, top);
-        let (value, group) = (axes.value.range(), axes.group.range());
-        let content = html! {
-            (legend)
-            @if axes.standing {
-                (frame::vertical(&axes.value, group, true))
-                text class="label" x="4" y=(Px(top - 11.0)) { (axes.value.title) }
-            } @else {
-                (frame::horizontal(&axes.value, group, true, true))
-                text class="label" x=(Px(0.5 * (value[0] + value[1]))) y=(Px(height - 6.0)) text-anchor="middle" {
-                    (axes.value.title)
-                }
-            }
-            @for (index, group) in self.groups.iter().enumerate() {
-                @for (series, bar) in group.bars.iter().enumerate().filter(|(_, bar)| bar.value.is_finite()) {
-                    (self.bar(&axes, bar, index, series))
-                }
-            }
-            path class="zero" d=(svg::path(&[group.map(|end| axes.place(end, 0.0)).to_vec()])) {}
-            @if axes.standing {
-                (frame::horizontal(&axes.group, [top, value[0]], false, true))
-            } @else {
-                g class="ticks" text-anchor="end" {
-                    @for tick in &axes.group.ticks { text x=(Px(value[0] - GAP)) y=(Px(tick.at + 4.0)) { (tick.label) } }
-                }
-            }
-        };
-        Drawing { width, height, description: self.describe(), time_axis: None, content }
+    }
+}
+
+impl Placed {
+    fn bars(&self) -> impl Iterator<Item = &Bar> {
+        self.bars.groups.iter().flat_map(|group| &group.bars)
     }
 
-    fn keys(&self) -> Vec<Key> {
+    /// All values and ends of intervals, and zero.
+    pub(super) fn values(&self) -> Vec<f64> {
+        self.bars().flat_map(|bar| bar.interval.into_iter().flatten().chain([bar.value])).chain([0.0]).collect()
+    }
+
+    pub(super) fn is_to_be_seen(&self) -> bool {
+        self.bars().any(|bar| bar.value.is_finite())
+    }
+
+    pub(super) fn keys(&self) -> Vec<Key> {
         let named = |(index, label): (usize, &String)| Key::new(Symbol::Area, &format!("bar {}", class(index)), label);
-        let mut keys: Vec<Key> = self.series.iter().enumerate().map(named).collect();
-        if self.groups.iter().flat_map(|group| &group.bars).any(|bar| bar.interval.is_some()) {
-            keys.push(Key::new(Symbol::Whisker, "", &self.interval));
+        let mut keys: Vec<Key> = self.bars.series.iter().enumerate().map(named).collect();
+        if self.bars().any(|bar| bar.interval.is_some()) {
+            keys.push(Key::new(Symbol::Whisker, "", &self.bars.interval));
         }
         keys
     }
 
-    /// The axes, for bars below `top`, and the height of all [px].
-    fn axes(&self, width: f64, top: f64) -> (Axes, f64) {
-        let ends = |bar: &Bar| bar.interval.into_iter().flatten().chain([bar.value]);
-        let values: Vec<f64> = self.groups.iter().flat_map(|group| &group.bars).flat_map(ends).chain([0.0]).collect();
-        let labels: Vec<String> = self.groups.iter().map(|group| group.label.clone()).collect();
-        let bars = self.series.len().max(1) as f64;
-
-        let value = Ruler::of(&self.value, &values, [top + HEIGHT, top], 34.0);
-        let left = value.widest() + GAP + 6.0;
-        let slot = (width - left - 6.0) / labels.len() as f64;
-        let group = Ruler::of_texts("", &labels, [left, width - 6.0]);
-        if !group.is_slanted() && slot > THIN * bars + SPACE {
-            let thickness = (0.75 * slot / bars).min(WIDE);
-            return (Axes { value, group, standing: true, thickness }, top + HEIGHT + 28.0);
-        }
-        let top = top - 22.0;
-        let labels: Vec<String> = labels.iter().map(|label| shortened(label, 0.42 * width)).collect();
-        let left = labels.iter().map(|label| text_width(label)).fold(0.0, f64::max) + GAP + 4.0;
-        let bottom = top + labels.len() as f64 * (THICK * bars + SPACE);
-        let value = Ruler::of(&self.value, &values, [left, width - 14.0], 40.0);
-        let group = Ruler::of_texts("", &labels, [top, bottom]);
-        (Axes { value, group, standing: false, thickness: THICK }, bottom + 44.0)
-    }
-
-    fn bar(&self, axes: &Axes, bar: &Bar, group: usize, series: usize) -> Markup {
-        let offset = series as f64 - 0.5 * (self.series.len().max(1) - 1) as f64;
-        let middle = axes.group.at(group as f64) + axes.thickness * offset;
-        let half = 0.46 * axes.thickness;
-        let corners = [axes.place(middle - half, 0.0), axes.place(middle + half, bar.value)];
-        let low = [0, 1].map(|k| corners[0][k].min(corners[1][k]));
-        let size = [0, 1].map(|k| (corners[0][k] - corners[1][k]).abs());
-        let interval = bar.interval.filter(|ends| ends.iter().all(|end| end.is_finite()));
-        html! {
-            rect class={ "bar " (class(series)) } x=(Px(low[0])) y=(Px(low[1])) width=(Px(size[0])) height=(Px(size[1])) {}
-            @if let Some([from, to]) = interval {
-                @let whisker = svg::whisker(axes.place(middle, from), axes.place(middle, to));
-                path class="whisker under" d=(whisker) {}
-                path class="whisker" d=(whisker) {}
-            }
-        }
-    }
-
-    fn describe(&self) -> String {
-        let mut text = format!("Bars of {}.", self.value.title(0));
-        for group in &self.groups {
-            let finite = self.series.iter().zip(&group.bars).filter(|(_, bar)| bar.value.is_finite());
+    pub(super) fn words(&self) -> Vec<String> {
+        let group = |group: &Group| {
+            let finite = self.bars.series.iter().zip(&group.bars).filter(|(_, bar)| bar.value.is_finite());
             let values: Vec<String> = finite.map(|(series, bar)| format!("{series} {}", number(bar.value))).collect();
-            text += &format!(" {}: {}.", group.label, values.join(", "));
+            format!("{}: {}", group.label, values.join(" and "))
+        };
+        self.bars.groups.iter().map(group).collect()
+    }
+
+    pub(super) fn draw(&self, plot: &Plot) -> Markup {
+        let (groups, values) = if self.lying { (&plot.y, &plot.x) } else { (&plot.x, &plot.y) };
+        let place = |along: f64, value: f64| {
+            if self.lying { [values.at(value), along] } else { [along, values.at(value)] }
+        };
+        let count = self.bars.series.len().max(1) as f64;
+        let [start, end] = groups.range();
+        let thickness = (0.75 * (end - start) / self.bars.groups.len().max(1) as f64 / count).min(WIDE);
+        let middle =
+            |group: usize, series: usize| groups.at(group as f64) + thickness * (series as f64 - 0.5 * (count - 1.0));
+        html! {
+            @for (index, group) in self.bars.groups.iter().enumerate() {
+                @for (series, bar) in group.bars.iter().enumerate().filter(|(_, bar)| bar.value.is_finite()) {
+                    @let (middle, half) = (middle(index, series), 0.46 * thickness);
+                    @let corners = [place(middle - half, 0.0), place(middle + half, bar.value)];
+                    @let low = [0, 1].map(|k| corners[0][k].min(corners[1][k]));
+                    @let size = [0, 1].map(|k| (corners[0][k] - corners[1][k]).abs());
+                    rect class={ "bar " (class(series)) } x=(Px(low[0])) y=(Px(low[1])) width=(Px(size[0])) height=(Px(size[1])) {}
+                    @if let Some([from, to]) = bar.interval.filter(|ends| ends.iter().all(|end| end.is_finite())) {
+                        @let whisker = svg::whisker(place(middle, from), place(middle, to));
+                        path class="whisker under" d=(whisker) {}
+                        path class="whisker" d=(whisker) {}
+                    }
+                }
+            }
+            path class="zero" d=(svg::path(&[[start, end].map(|along| place(along, 0.0)).to_vec()])) {}
         }
-        text
     }
 }
 

@@ -1,84 +1,37 @@
-//! Thousands of pairs of values as the density of their cells, with limits and curves of equal power.
+//! Thousands of points as the density of their cells, with curves along which the product of both values is the same.
 
 use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
-use super::axis::{Quantity, Ruler};
-use super::frame::{self, GAP};
-use super::{is_finite, no_data};
-use crate::scale::Px;
-use crate::svg::{self, Drawing, Key, Symbol};
+use super::axis::Ruler;
+use super::numbers::Px;
+use super::plot::Plot;
+use super::svg::{self, Key, Symbol};
 
-/// Small panels with the same axes.
+/// Many points of one coordinate system.
 #[derive(Clone, Debug)]
 pub(crate) struct Cloud {
-    pub(crate) x: Quantity,
-    pub(crate) y: Quantity,
-    pub(crate) panels: Vec<Panel>,
-    /// Products of x and y whose curves are drawn, in all four quadrants.
-    pub(crate) products: Vec<f64>,
-    /// What they are.
-    pub(crate) product: Quantity,
-}
-
-/// A coordinate system.
-#[derive(Clone, Debug)]
-pub(crate) struct Panel {
-    pub(crate) title: String,
-    /// Pairs of x and y; those that are not finite are left out.
+    /// Those that are not finite are left out.
     pub(crate) points: Vec<[f64; 2]>,
-    /// Values of y at which there is a limit.
-    pub(crate) limits: Vec<f64>,
+    /// Products of both values whose curves are drawn, in all four quadrants.
+    pub(crate) products: Vec<f64>,
+    /// What the products are.
+    pub(crate) product: String,
+    /// How many coordinate systems a drawing has: the more, the fewer cells in each.
+    pub(crate) among: usize,
 }
 
-/// Least width of a panel, and the most panels side by side [px].
-const NARROWEST: f64 = 185.0;
-const MOST: usize = 4;
-const GUTTER: f64 = 16.0;
-const HEIGHT: f64 = 190.0;
-/// Most cells of all panels together, and of one.
+/// Most cells of all coordinate systems of a drawing together, and of one.
 const CELLS: f64 = 6000.0;
 const MOST_CELLS: f64 = 1500.0;
 /// Points in a cell from which on it has the next stronger shade.
 const LEVELS: [usize; 5] = [1, 3, 10, 30, 100];
-/// Steps of a curve of equal power.
+/// Steps of a curve of equal products.
 const STEPS: usize = 40;
 
 impl Cloud {
-    /// Draws them `width` wide [px].
-    pub(crate) fn draw(&self, width: f64) -> Drawing {
-        let points = || self.panels.iter().flat_map(|panel| &panel.points).filter(|point| is_finite(point));
-        if points().next().is_none() {
-            return no_data(width);
-        }
-        let columns = ((width / NARROWEST) as usize).clamp(1, MOST.min(self.panels.len()));
-        let across: Vec<f64> = points().map(|point| point[0]).collect();
-        let limits = self.panels.iter().flat_map(|panel| &panel.limits).copied();
-        let up: Vec<f64> = points().map(|point| point[1]).chain(limits).collect();
-        let y = Ruler::of(&self.y, &up, [HEIGHT, 0.0], 34.0);
-        let left = y.widest() + GAP + 4.0;
-        let wide = (width - GUTTER * (columns - 1) as f64) / columns as f64;
-
-        let (legend, legend_height) = svg::legend(&self.keys(), 4.0, width);
-        let start = legend_height + 12.0;
-        let height = HEIGHT + 84.0;
-        let content = html! {
-            (legend)
-            @for (index, panel) in self.panels.iter().enumerate() {
-                @let columns_from = (wide + GUTTER) * (index % columns) as f64 + left;
-                @let top = start + height * (index / columns) as f64 + 38.0;
-                @let range = [columns_from, columns_from + wide - left - 6.0];
-                @let x = Ruler::of(&self.x, &across, range, 34.0);
-                @let y = Ruler::of(&self.y, &up, [top + HEIGHT, top], 34.0);
-                (self.panel(panel, columns_from - left, &x, &y))
-            }
-        };
-        let rows = self.panels.len().div_ceil(columns);
-        Drawing { width, height: start + height * rows as f64, description: self.describe(), time_axis: None, content }
-    }
-
-    fn keys(&self) -> Vec<Key> {
+    pub(super) fn keys(&self) -> Vec<Key> {
         let level = |(index, &from): (usize, &usize)| {
             let label = match LEVELS.get(index + 1) {
                 Some(next) => format!("{from} to {}", next - 1),
@@ -87,36 +40,19 @@ impl Cloud {
             Key::new(Symbol::Area, &format!("cloud level-{index}"), &label)
         };
         let mut keys: Vec<Key> = LEVELS.iter().enumerate().map(level).collect();
-        if self.panels.iter().any(|panel| !panel.limits.is_empty()) {
-            keys.push(Key::new(Symbol::Line, "bound", "limit"));
-        }
         if !self.products.is_empty() {
-            keys.push(Key::new(Symbol::Line, "power", &self.product.title(0)));
+            keys.push(Key::new(Symbol::Line, "power", &self.product));
         }
         keys
     }
 
-    fn panel(&self, panel: &Panel, start: f64, x: &Ruler, y: &Ruler) -> Markup {
-        let ([left, right], [bottom, top]) = (x.range(), y.range());
+    pub(super) fn draw(&self, plot: &Plot) -> Markup {
         html! {
-            text class="title" x=(Px(start + 2.0)) y=(Px(top - 27.0)) { (panel.title) }
-            text class="label" x=(Px(start + 2.0)) y=(Px(top - 10.0)) { (y.title) }
-            (frame::vertical(y, [left, right], true))
-            (frame::horizontal(x, [top, bottom], true, true))
-            text class="label" x=(Px(0.5 * (left + right))) y=(Px(bottom + 34.0)) text-anchor="middle" { (x.title) }
-            (density(&panel.points, x, y, (CELLS / self.panels.len() as f64).min(MOST_CELLS)))
-            @for &limit in &panel.limits {
-                path class="line bound" d=(svg::path(&[vec![[left, y.at(limit)], [right, y.at(limit)]]])) {}
-            }
+            (density(&self.points, plot, (CELLS / self.among.max(1) as f64).min(MOST_CELLS)))
             @for &product in self.products.iter().filter(|product| product.is_finite() && **product > 0.0) {
-                (power(product, x, y, &panel.points))
+                (power(product, &plot.x, &plot.y, &self.points))
             }
         }
-    }
-
-    fn describe(&self) -> String {
-        let titles: Vec<&str> = self.panels.iter().map(|panel| panel.title.as_str()).collect();
-        format!("{} over {} for {}.", self.y.title(0), self.x.title(0), titles.join(", "))
     }
 }
 
@@ -126,12 +62,12 @@ fn reach(domain: [f64; 2], sign: f64) -> f64 {
 }
 
 /// Square cells with points in them, at most `cells`, as a path for each shade.
-fn density(points: &[[f64; 2]], x: &Ruler, y: &Ruler, cells: f64) -> Markup {
-    let ([left, right], [bottom, top]) = (x.range(), y.range());
+fn density(points: &[[f64; 2]], plot: &Plot, cells: f64) -> Markup {
+    let ([left, right], [top, bottom]) = (plot.x.range(), plot.rows());
     let side = ((right - left) * (bottom - top) / cells).sqrt().max(3.0);
     let mut counts: BTreeMap<[i64; 2], usize> = BTreeMap::new();
-    for point in points.iter().filter(|point| is_finite(point)) {
-        let cell = [(x.at(point[0]) - left) / side, (bottom - y.at(point[1])) / side];
+    for [x, y] in plot.all(points) {
+        let cell = [(x - left) / side, (bottom - y) / side];
         *counts.entry(cell.map(|place| place.floor() as i64)).or_default() += 1;
     }
     let mut paths = [const { String::new() }; LEVELS.len()];
@@ -178,35 +114,34 @@ fn power(product: f64, x: &Ruler, y: &Ruler, points: &[[f64; 2]]) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::charts::axis::{Axis, Quantity};
 
-    fn rulers() -> [Ruler; 2] {
-        let ruler = |values: &[f64], range| Ruler::of(&Quantity::default(), values, range, 40.0);
-        [ruler(&[-10.0, 10.0], [0.0, 200.0]), ruler(&[-150.0, 150.0], [180.0, 0.0])]
+    fn plot() -> Plot {
+        let ruler = |values: [f64; 2], range| Axis::around(Quantity::default(), values).on(range, 40.0);
+        Plot { x: ruler([-10.0, 10.0], [0.0, 200.0]), y: ruler([-150.0, 150.0], [180.0, 0.0]) }
     }
 
     #[test]
     fn however_many_points_there_are_few_cells() {
-        let [x, y] = rulers();
         let points: Vec<[f64; 2]> =
             (0..200_000).map(|k| [10.0 * (f64::from(k) * 0.7).sin(), 150.0 * (f64::from(k) * 1.3).cos()]).collect();
-        let text = density(&points, &x, &y, MOST_CELLS).into_string();
+        let text = density(&points, &plot(), MOST_CELLS).into_string();
         assert!((500..=1600).contains(&text.matches('M').count()), "{}", text.matches('M').count());
     }
 
     #[test]
     fn denser_cells_are_stronger() {
-        let [x, y] = rulers();
         let mut points = vec![[-5.0, 50.0]];
         points.extend(vec![[5.0, 50.0]; 30]);
         points.extend([[f64::NAN, 1.0], [1.0, f64::INFINITY]]);
-        let text = density(&points, &x, &y, MOST_CELLS).into_string();
+        let text = density(&points, &plot(), MOST_CELLS).into_string();
         assert_eq!(text.matches('M').count(), 2);
         assert!(text.contains("level-0") && text.contains("level-3"), "{text}");
     }
 
     #[test]
     fn the_product_is_the_same_along_its_curve() {
-        let [x, y] = rulers();
+        let Plot { x, y } = plot();
         let text = power(300.0, &x, &y, &[]).into_string();
         let path = text.split(" d=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a path");
         assert_eq!(path.matches('M').count(), 4, "a branch in each quadrant");

@@ -5,9 +5,9 @@
 
 use maud::{Markup, html};
 
-use super::axis::{Quantity, Ruler};
-use crate::scale::{Px, extent, round_step, tick_label};
-use crate::svg::text_width;
+use super::axis::{Axis, Quantity, Ruler};
+use super::numbers::{Px, extent, round_step, tick_label};
+use super::svg::text_width;
 
 /// Lightness, green to red, blue to yellow.
 type Oklab = [f64; 3];
@@ -20,14 +20,14 @@ const DIVERGING: [Oklab; 5] =
 
 /// A colour for each number of a range.
 #[derive(Clone, Debug)]
-pub(super) struct Colours {
+pub(crate) struct Colours {
     domain: [f64; 2],
     diverging: bool,
 }
 
 impl Colours {
     /// From the least to the greatest of `values`; with a `centre`, as far below it as above it.
-    pub(super) fn of(values: &[f64], centre: Option<f64>) -> Self {
+    pub(crate) fn of(values: &[f64], centre: Option<f64>) -> Self {
         let (low, high) = extent(values.iter().copied()).unwrap_or((0.0, 1.0));
         let reach = |centre: f64| {
             let reach = (high - centre).max(centre - low);
@@ -55,7 +55,7 @@ impl Colours {
     /// at `end`.
     pub(super) fn bar(&self, quantity: &Quantity, end: f64, [top, bottom]: [f64; 2], title: f64) -> Markup {
         const PIECES: usize = 48;
-        let ruler = Ruler::spanning(quantity, self.domain, [bottom, top], 26.0);
+        let ruler = self.ruler(quantity, [bottom, top]);
         let height = (bottom - top) / PIECES as f64;
         let [from, to] = self.domain;
         let colour = |piece: usize| self.at(from + (to - from) * (piece as f64 + 0.5) / PIECES as f64).0;
@@ -78,14 +78,18 @@ impl Colours {
         }
     }
 
+    fn ruler(&self, quantity: &Quantity, range: [f64; 2]) -> Ruler {
+        Axis::exactly(quantity.clone().logarithmic(false), self.domain).on(range, 26.0)
+    }
+
     /// How wide its bar is with its numbers [px].
     pub(super) fn bar_width(&self, quantity: &Quantity) -> f64 {
-        BAR + 7.0 + Ruler::spanning(quantity, self.domain, [200.0, 0.0], 26.0).widest()
+        BAR + 7.0 + self.ruler(quantity, [200.0, 0.0]).widest()
     }
 
     /// How wide the title of its bar is [px].
     pub(super) fn title_width(&self, quantity: &Quantity) -> f64 {
-        text_width(&Ruler::spanning(quantity, self.domain, [200.0, 0.0], 26.0).title)
+        text_width(&self.ruler(quantity, [200.0, 0.0]).title)
     }
 
     /// A number of its range, with one digit more than the numbers of its bar.

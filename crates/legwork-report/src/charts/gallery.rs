@@ -2,23 +2,16 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::axis::Quantity;
+use super::axis::{Axis, Quantity};
 use super::bars::{Bar, Bars, Group};
-use super::cloud::{self, Cloud};
-use super::heat_map::HeatMap;
+use super::chart::{Chart, Part as Coordinates, Stack};
+use super::cloud::Cloud;
+use super::labels::Labelled;
+use super::layer::Layer;
+use super::map::{HeatMap, Holds, SurvivalMap};
 use super::polar::{Curve, Polar};
-use super::scatter::{Labelled, Scatter};
-use super::survival_map::{Cell, CellOutcome, SurvivalMap};
+use super::svg::{self, Drawing};
 use super::sweep::{Panel, Part, Point, Series, Sweep};
-use crate::svg::{self, Drawing};
-
-fn quantity(name: &str, unit: &str) -> Quantity {
-    Quantity { name: name.into(), unit: unit.into(), log: false }
-}
-
-fn log(name: &str, unit: &str) -> Quantity {
-    Quantity { log: true, ..quantity(name, unit) }
-}
 
 fn texts(all: &[&str]) -> Vec<String> {
     all.iter().map(|text| (*text).to_owned()).collect()
@@ -52,9 +45,9 @@ pub(super) fn sweep(x: Quantity, xs: &[f64], fell: impl Fn(usize, f64) -> bool, 
         (0..2).map(|series| (0..xs.len()).map(|k| value(series, k)).collect()).collect()
     };
     let panels = metrics.iter().enumerate().map(|(seed, &(title, unit, size, peak))| {
-        let mut parts = vec![Part { y: quantity("mean", unit), values: values(size, seed) }];
+        let mut parts = vec![Part::new(Quantity::new("mean", unit), values(size, seed))];
         if peak.is_finite() {
-            parts.push(Part { y: quantity("peak", unit), values: values(peak * size, seed + 50) });
+            parts.push(Part::new(Quantity::new("peak", unit), values(peak * size, seed + 50)));
         }
         Panel { title: title.into(), parts }
     });
@@ -81,7 +74,7 @@ pub(super) fn sobol() -> HeatMap {
         column_title: "with factor".into(),
         rows: texts(&factors),
         columns: texts(&factors),
-        value: quantity("second-order index", ""),
+        value: Quantity::new("second-order index", ""),
         cells: (0..8).map(|row| (0..8).map(|column| cell(row, column)).collect()).collect(),
         centre: None,
     }
@@ -103,7 +96,7 @@ fn totals(centre: Option<f64>) -> HeatMap {
             "time of a step [s]",
         ]),
         columns: texts(&["CoM error", "feet error", "torso deviation", "torque", "force", "recovery"]),
-        value: if centre.is_some() { quantity("rank correlation", "") } else { quantity("total index", "") },
+        value: if centre.is_some() { Quantity::new("rank correlation", "") } else { Quantity::new("total index", "") },
         cells: (0..5).map(|row| (0..6).map(|column| cell(row, column)).collect()).collect(),
         centre,
     }
@@ -119,7 +112,7 @@ pub(super) fn bars(labels: &[&str]) -> Bars {
         }
     };
     Bars {
-        value: quantity("Sobol' index of the mean CoM error", ""),
+        value: Quantity::new("Sobol' index of the mean CoM error", ""),
         series: texts(&["first order", "total"]),
         interval: "95 % interval".into(),
         groups: labels.iter().enumerate().map(group).collect(),
@@ -135,14 +128,14 @@ pub(super) fn survival(shaded: bool) -> SurvivalMap {
                 continue;
             }
             let margin = y - 95.0 - 110.0 * x * x + 8.0 * noise(speed as usize * 31 + torque as usize);
-            let outcome = if margin < 0.0 { CellOutcome::Fell } else { CellOutcome::Survived(0.8 / (10.0 + margin)) };
-            cells.push(Cell { x, y, outcome });
+            let holds = if margin < 0.0 { Holds::Fell } else { Holds::Value(0.8 / (10.0 + margin)) };
+            cells.push(([x, y], holds));
         }
     }
     SurvivalMap {
-        x: quantity("speed", "m/s"),
-        y: quantity("torque limit", "Nm"),
-        shade: shaded.then(|| quantity("CoM error", "m")),
+        x: Quantity::new("speed", "m/s"),
+        y: Quantity::new("torque limit", "Nm"),
+        shade: shaded.then(|| Quantity::new("CoM error", "m")),
         cells,
     }
 }
@@ -158,7 +151,7 @@ pub(super) fn polar() -> Polar {
         Curve { label: (*label).into(), points: (0..16).map(point).collect() }
     };
     Polar {
-        radius: quantity("largest impulse survived", "Ns/kg"),
+        radius: Quantity::new("largest impulse survived", "Ns/kg"),
         directions: texts(&["forward", "up", "backward", "down"]).try_into().expect("four"),
         curves: ["both feet stand", "early swing", "mid swing", "late swing"].iter().enumerate().map(curve).collect(),
     }
@@ -178,26 +171,65 @@ fn robustness() -> HeatMap {
     }
 }
 
-pub(super) fn cloud() -> Cloud {
-    let panel = |(index, title): (usize, &&str)| {
+/// Medians of two robots over a speed, with bands.
+fn spreads() -> Sweep {
+    let speeds = [0.0, 0.5, 1.0, 1.25];
+    let mut sweep = sweep(Quantity::new("speed", "m/s"), &speeds, |_, _| false, &[]);
+    for part in sweep.panels.iter_mut().flat_map(|panel| &mut panel.parts) {
+        let around = |value: &f64| [0.7, 0.9, 1.05, 1.3].map(|factor| factor * value);
+        part.spreads = part.values.iter().map(|values| values.iter().map(around).collect()).collect();
+    }
+    sweep
+}
+
+/// Parts over time, one of them of rows with notes.
+pub(super) fn over_time() -> Chart {
+    let wave = |size: f64| (0..2000).map(|k| [0.004 * f64::from(k), size * (0.02 * f64::from(k)).sin()]).collect();
+    let rows = ["torque right hip", "friction of the left foot"];
+    let marks = |row: usize| Layer::Row { class: "torque", row, spans: vec![([row as f64, row as f64 + 1.5], 1)] };
+    let names = texts(&rows);
+    let lines = |size: f64| {
+        vec![
+            Layer::Spans { class: "single", label: "single support", spans: vec![[1.0, 1.5], [2.0, 2.5]] },
+            Layer::line("right", "right", wave(size)),
+            Layer::line("left", "left dashed", wave(-0.5 * size)),
+            Layer::Level { class: "limit", label: "limit".into(), y: 1.2 * size },
+            Layer::Upright { class: "fall", label: "fell".into(), x: 7.5 },
+        ]
+    };
+    let parts = vec![
+        Coordinates {
+            y: Axis::of_texts("", names),
+            height: 34.0,
+            layers: vec![marks(0), marks(1)],
+            notes: vec![(0.0, "12.5 %".into()), (1.0, "3.0 %".into())],
+        },
+        Coordinates::new(Quantity::new("the torque of a joint", "Nm"), 170.0, lines(120.0)),
+        Coordinates::new(Quantity::new("slack", "N"), 86.0, lines(2e-4)),
+    ];
+    let x = Axis::exactly(Quantity::new("time", "s"), [0.0, 8.0]);
+    Chart { over_time: true, ..Chart::new(vec![Stack { title: String::new(), x, parts }], (0.0, 1)) }
+}
+
+pub(super) fn cloud() -> Chart {
+    let stack = |(index, title): (usize, &&str)| {
         let point = |k: usize| {
             let t = k as f64 * 0.0041;
             let speed = 5.0 * (1.0 + 0.3 * index as f64) * (t.sin() + 0.3 * (3.0 * t).sin() + 0.1 * noise(k));
             let torque = 110.0 * (t + 0.7 * index as f64).cos() + 60.0 * (2.0 * t).sin() + 15.0 * noise(k + 7);
             [speed, torque.clamp(-150.0, 150.0)]
         };
-        cloud::Panel { title: (*title).into(), points: (0..8000).map(point).collect(), limits: vec![-150.0, 150.0] }
+        let points: Vec<[f64; 2]> = (0..8000).map(point).collect();
+        let x = Axis::around(Quantity::new("speed", "rad/s"), points.iter().map(|point| point[0]));
+        let cloud = Cloud { points, products: vec![100.0, 300.0, 900.0], product: "equal power [W]".into(), among: 4 };
+        let limit = |y: f64| Layer::Level { class: "bound", label: "limit".into(), y };
+        let layers = vec![Layer::Cloud(cloud), limit(-150.0), limit(150.0)];
+        Stack { title: (*title).into(), x, parts: vec![Coordinates::new(Quantity::new("torque", "Nm"), 190.0, layers)] }
     };
-    Cloud {
-        x: quantity("speed", "rad/s"),
-        y: quantity("torque", "Nm"),
-        panels: ["right hip", "right knee", "left hip", "left knee"].iter().enumerate().map(panel).collect(),
-        products: vec![100.0, 300.0, 900.0],
-        product: quantity("equal power", "W"),
-    }
+    Chart::new(["right hip", "right knee", "left hip", "left knee"].iter().enumerate().map(stack).collect(), (185.0, 4))
 }
 
-pub(super) fn morris() -> Scatter {
+pub(super) fn morris() -> Chart {
     let names = [
         "friction",
         "slope",
@@ -221,12 +253,11 @@ pub(super) fn morris() -> Scatter {
         let mu = if k > 8 { 0.006 * (1.0 + noise(k)) } else { 0.05 + 0.05 * noise(k) };
         Labelled { label: (*name).into(), at: [mu, mu * (0.6 + 0.5 * noise(k + 40))] }
     };
-    Scatter {
-        x: quantity("\u{3bc}* of the mean CoM error", "m"),
-        y: quantity("\u{3c3}", "m"),
-        points: names.iter().enumerate().map(point).collect(),
-        rays: vec![(1.0, "\u{3c3} = \u{3bc}*".into()), (0.1, "\u{3c3} = 0.1 \u{3bc}*".into())],
-    }
+    let points: Vec<Labelled> = names.iter().enumerate().map(point).collect();
+    let x =
+        Axis::near_zero(Quantity::new("\u{3bc}* of the mean CoM error", "m"), points.iter().map(|point| point.at[0]));
+    let ray = Layer::line("\u{3c3} = \u{3bc}*", "marked", vec![[0.0, 0.0], [0.1, 0.1]]);
+    Chart::of(x, Coordinates::new(Quantity::new("\u{3c3}", "m"), 330.0, vec![ray, Layer::Labelled(points)]))
 }
 
 /// Draws a chart at a width [px].
@@ -237,15 +268,15 @@ pub(super) fn charts() -> Vec<(&'static str, Draw)> {
     let friction: Vec<f64> = (0..13).map(|k| 0.1 + 0.08 * f64::from(k)).collect();
     let decades: Vec<f64> = (0..13).map(|k| 1e-5 * 10.0_f64.powf(0.35 * f64::from(k))).collect();
     let counts: Vec<f64> = (0..4).map(f64::from).collect();
-    let linear = sweep(quantity("friction coefficient", ""), &friction, |s, x| x < 0.3 + 0.2 * s as f64, &[]);
+    let linear = sweep(Quantity::new("friction coefficient", ""), &friction, |s, x| x < 0.3 + 0.2 * s as f64, &[]);
     let log_sweep = sweep(
-        log("regularisation", "kg\u{b2}"),
+        Quantity::new("regularisation", "kg\u{b2}").logarithmic(true),
         &decades,
         |s, x| x > 0.05 || (s == 0 && (1e-3..2e-3).contains(&x)),
         &[],
     );
     let contacts = ["rigid", "spring and damper", "Hunt and Crossley", "implicit"];
-    let texts = sweep(quantity("contact model", ""), &counts, |s, x| s == 1 && x == 2.0, &contacts);
+    let texts = sweep(Quantity::new("contact model", ""), &counts, |s, x| s == 1 && x == 2.0, &contacts);
     let few = ["friction", "slope", "mass", "CoM height", "speed", "torque"];
     let long = [
         "friction of the ground",
@@ -258,6 +289,8 @@ pub(super) fn charts() -> Vec<(&'static str, Draw)> {
         ("sweep", Box::new(move |w| linear.draw(w)) as Draw),
         ("sweep, logarithmic", Box::new(move |w| log_sweep.draw(w))),
         ("sweep over texts", Box::new(move |w| texts.draw(w))),
+        ("spreads", Box::new(|w| spreads().draw(w))),
+        ("over time", Box::new(|w| over_time().draw(w))),
         ("second order", Box::new(|w| sobol().draw(w))),
         ("total indices", Box::new(|w| totals(None).draw(w))),
         ("diverging", Box::new(|w| totals(Some(0.0)).draw(w))),
@@ -291,7 +324,7 @@ fn page() -> Markup {
 }
 
 fn style() -> String {
-    let dark = include_str!("../dark.css");
+    let dark = include_str!("dark.css");
     format!(
         ":root {{\n{}}}\n@media screen and (prefers-color-scheme: dark) {{\n:root {{\n{dark}}}\n}}\n{}body {{ background: var(--paper); color: var(--ink); font: 16px sans-serif; }}",
         svg::LIGHT,

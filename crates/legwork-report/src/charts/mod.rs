@@ -1,28 +1,33 @@
-//! Charts of studies: data to drawings. They know numbers, labels and units, and nothing of what was studied.
+//! Charts: data to drawings. They know numbers, labels and units, and nothing of what was simulated or studied.
 //!
-//! Each chart is drawn at any width, as part of a page in its colours or as a file of its own. The same data give the
-//! same text. Numbers that are not finite are missing; where nothing is left the drawing says so.
+//! A [`chart::Chart`] is made of coordinate systems, each with an [`axis::Axis`] either way and [`layer::Layer`]s; the other
+//! charts are ways to make one. Only [`polar`] has a geometry of its own. Each is drawn at any width, as part of a page in its
+//! colours or as a file of its own. The same data give the same text. Numbers that are not finite are missing; where nothing is
+//! left the drawing says so.
 
 pub(crate) mod axis;
 pub(crate) mod bars;
+pub(crate) mod chart;
 pub(crate) mod cloud;
 mod colours;
-mod frame;
 #[cfg(test)]
 mod gallery;
-pub(crate) mod heat_map;
+pub(crate) mod labels;
+pub(crate) mod layer;
+pub(crate) mod map;
+pub(crate) mod numbers;
+mod plot;
 pub(crate) mod polar;
-pub(crate) mod powers;
-pub(crate) mod scatter;
-pub(crate) mod survival_map;
+pub(crate) mod svg;
 pub(crate) mod sweep;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
+mod thin;
 
 use maud::html;
 
-use super::scale::Px;
-use super::svg::Drawing;
+use numbers::Px;
+use svg::Drawing;
 
 /// How many series differ in colour.
 const COLOURS: usize = 6;

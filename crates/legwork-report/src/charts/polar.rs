@@ -2,11 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::axis::{Quantity, Ruler};
+use super::axis::{Axis, Quantity, Ruler};
+use super::numbers::{Px, number};
+use super::svg::{self, Drawing, Key, Symbol, text_width};
 use super::{class, is_finite, mark, no_data};
-use crate::scale::Px;
-use crate::svg::{self, Drawing, Key, Symbol, text_width};
-use crate::tables::number;
 
 /// Curves around a centre.
 #[derive(Clone, Debug)]
@@ -43,8 +42,8 @@ impl Polar {
         let side = text_width(&self.directions[0]).max(text_width(&self.directions[2])) + 18.0;
         let reach = RADIUS.min(0.5 * width - side);
         let centre = [0.5 * width, legend_height + 50.0 + reach];
-        let values: Vec<f64> = values.into_iter().chain([0.0]).collect();
-        let rings = Ruler::of(&Quantity { log: false, ..self.radius.clone() }, &values, [0.0, reach], 28.0);
+        let radius = self.radius.clone().logarithmic(false);
+        let rings = Axis::around(radius, values.into_iter().chain([0.0])).on([0.0, reach], 28.0);
         let place = |angle: f64, value: f64| at(centre, angle, rings.at(value.max(0.0)));
         let curves: Vec<Vec<Vec<[f64; 2]>>> = self.curves.iter().map(|curve| lines(curve, place)).collect();
         let numbers = emptiest(&rings, centre, &curves.concat().concat());

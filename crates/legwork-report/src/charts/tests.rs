@@ -1,15 +1,16 @@
 //! What holds for every chart: numbers are numbers, texts are escaped, neither clipped nor on top of each other.
 
-use super::axis::Quantity;
+use super::axis::{Axis, Quantity};
 use super::bars::{Bar, Bars, Group};
-use super::cloud::{self, Cloud};
+use super::chart::{Chart, Part as Coordinates};
+use super::cloud::Cloud;
 use super::gallery;
-use super::heat_map::HeatMap;
+use super::labels::Labelled;
+use super::layer::Layer;
+use super::map::{HeatMap, Holds, SurvivalMap};
 use super::polar::{Curve, Polar};
-use super::scatter::{Labelled, Scatter};
-use super::survival_map::{Cell, CellOutcome, SurvivalMap};
+use super::svg::{Drawing, text_width};
 use super::sweep::{Panel, Part, Point, Series, Sweep};
-use crate::svg::{Drawing, text_width};
 
 const WIDTHS: [f64; 4] = [380.0, 430.0, 640.0, 860.0];
 
@@ -91,10 +92,10 @@ fn assert_sound(name: &str, drawing: &Drawing) {
         "{name}: {}",
         drawing.description
     );
-    crate::tests::assert_well_formed(&whole, &[]);
+    crate::run::tests::assert_well_formed(&whole, &[]);
 }
 
-fn assert_readable(name: &str, drawing: &Drawing) {
+pub(crate) fn assert_readable(name: &str, drawing: &Drawing) {
     let labels = labels(&drawing.content.clone().into_string());
     let size = [drawing.width, drawing.height];
     for (index, label) in labels.iter().enumerate() {
@@ -157,7 +158,7 @@ fn every_chart_is_sound_and_the_same_each_time() {
 }
 
 fn quantity(name: &str) -> Quantity {
-    Quantity { name: name.into(), unit: "m".into(), log: true }
+    Quantity::new(name, "m").logarithmic(true)
 }
 
 /// Every chart of one value at one place, labelled with one text.
@@ -168,7 +169,7 @@ fn of_one(label: &str, x: f64, y: f64) -> Vec<(&'static str, Drawing)> {
         categories: Vec::new(),
         marked: Some((x, title())),
         series: vec![Series { label: title(), points: vec![Point { x, fell }] }],
-        panels: vec![Panel { title: title(), parts: vec![Part { y: own(), values: vec![vec![y]] }] }],
+        panels: vec![Panel { title: title(), parts: vec![Part::new(own(), vec![vec![y]])] }],
     };
     let heat = |centre| HeatMap {
         row_title: title(),
@@ -185,36 +186,35 @@ fn of_one(label: &str, x: f64, y: f64) -> Vec<(&'static str, Drawing)> {
         interval: title(),
         groups: vec![Group { label: title(), bars: vec![Bar { value: y, interval: Some([y, f64::NAN]) }] }],
     };
-    let map = |outcome| SurvivalMap { x: own(), y: own(), shade: Some(own()), cells: vec![Cell { x, y: x, outcome }] };
+    let map = |holds| SurvivalMap { x: own(), y: own(), shade: Some(own()), cells: vec![([x, y], holds)] };
     let polar = Polar {
         radius: own(),
         directions: [(); 4].map(|()| title()),
         curves: vec![Curve { label: title(), points: vec![[x, y]] }],
     };
-    let cloud = Cloud {
-        x: own(),
-        y: own(),
-        panels: vec![cloud::Panel { title: title(), points: vec![[x, y]], limits: vec![y] }],
-        products: vec![1.0, f64::NAN],
-        product: own(),
+    let of = |layer: Layer| {
+        let marks = vec![
+            Layer::Level { class: "bound", label: title(), y },
+            Layer::Upright { class: "marked", label: title(), x },
+        ];
+        Chart::of(Axis::around(own(), [x]), Coordinates::new(own(), 190.0, [layer].into_iter().chain(marks).collect()))
     };
-    let scatter = Scatter {
-        x: own(),
-        y: own(),
-        points: vec![Labelled { label: title(), at: [x, y] }],
-        rays: vec![(1.0, title()), (f64::NAN, title())],
-    };
+    let cloud = Cloud { points: vec![[x, y]], products: vec![1.0, f64::NAN], product: title(), among: 1 };
+    let labelled = vec![Labelled { label: title(), at: [x, y] }];
+    let area = Layer::Area { class: "support".into(), label: title(), points: vec![[x, y, y], [y, x, y]] };
     vec![
         ("sweep", sweep(false).draw(640.0)),
         ("fall", sweep(true).draw(640.0)),
         ("heat map", heat(None).draw(640.0)),
         ("diverging", heat(Some(0.0)).draw(640.0)),
         ("bars", bars.draw(640.0)),
-        ("stood", map(CellOutcome::Survived(y)).draw(640.0)),
-        ("fell", map(CellOutcome::Fell).draw(640.0)),
+        ("stood", map(Holds::Value(y)).draw(640.0)),
+        ("fell", map(Holds::Fell).draw(640.0)),
         ("polar", polar.draw(640.0)),
-        ("cloud", cloud.draw(640.0)),
-        ("scatter", scatter.draw(640.0)),
+        ("cloud", of(Layer::Cloud(cloud)).draw(640.0)),
+        ("labelled", of(Layer::Labelled(labelled)).draw(640.0)),
+        ("line", of(Layer::line(label, "com", vec![[x, y]])).draw(640.0)),
+        ("area", of(area).draw(640.0)),
     ]
 }
 
@@ -259,13 +259,15 @@ fn where_there_is_nothing_to_draw_it_says_so() {
     assert!(says_so(Bars { groups: Vec::new(), ..gallery::bars(&[]) }.draw(860.0)));
     assert!(says_so(SurvivalMap { cells: Vec::new(), ..gallery::survival(true) }.draw(860.0)));
     assert!(says_so(Polar { curves: Vec::new(), ..gallery::polar() }.draw(860.0)));
-    assert!(says_so(Cloud { panels: Vec::new(), ..gallery::cloud() }.draw(860.0)));
-    assert!(says_so(Scatter { points: Vec::new(), ..gallery::morris() }.draw(860.0)));
+    assert!(says_so(Chart { stacks: Vec::new(), ..gallery::cloud() }.draw(860.0)));
+    let mut morris = gallery::morris();
+    morris.stacks[0].parts[0].layers.clear();
+    assert!(says_so(morris.draw(860.0)));
 }
 
 #[test]
 fn texts_are_large_enough_to_be_read_at_half_the_size() {
-    let sizes = crate::svg::FIGURE_STYLE.split("font-size: ").skip(1);
+    let sizes = super::svg::FIGURE_STYLE.split("font-size: ").skip(1);
     let sizes: Vec<f64> =
         sizes.map(|rest| rest.split("px").next().and_then(|size| size.parse().ok()).expect("px")).collect();
     assert!(sizes.len() > 1 && sizes.iter().all(|size| *size >= 11.0), "{sizes:?}");

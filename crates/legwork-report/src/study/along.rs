@@ -5,11 +5,12 @@ use legwork::study::rollout::Column;
 use legwork::study::{Ending, Factor, Level};
 use maud::{Markup, html};
 
-use super::{FALL_NOTE, axis, quantity};
-use crate::charts::survival_map::{Cell, CellOutcome, SurvivalMap};
+use super::{FALL_NOTE, axis};
+use crate::charts::axis::Quantity;
+use crate::charts::map::{Holds, SurvivalMap};
+use crate::charts::numbers::number;
 use crate::charts::sweep::{Panel, Part, Point, Series, Sweep};
 use crate::document::{Figures, Section};
-use crate::tables::number;
 
 /// A figure with its mean and peak, or a single one.
 struct Family {
@@ -43,10 +44,10 @@ fn kinds(results: &Results) -> [(&'static str, Vec<usize>); 2] {
     ]
 }
 
-/// A section for each factor, with a `figure` for each kind of scenario that there is.
+/// A section for each varied factor, with a `figure` for each kind of scenario that there is.
 fn for_each_factor(results: &Results, mut figure: impl FnMut(usize, &str, &[usize]) -> Markup) -> Vec<Section> {
     let mut sections = Vec::new();
-    for (index, factor) in results.study.factors.iter().enumerate() {
+    for (index, factor) in varied(results) {
         let body = html! {
             @for (kind, bases) in kinds(results) {
                 @if !bases.is_empty() {
@@ -102,9 +103,8 @@ fn sweep(results: &Results, index: usize, bases: &[usize]) -> Sweep {
     let panels = families(&results.columns).into_iter().map(|Family { label, unit, members }| Panel {
         parts: members
             .into_iter()
-            .map(|(metric, kind)| Part {
-                y: quantity(if kind.is_empty() { label.as_str() } else { kind }, unit),
-                values: values(metric),
+            .map(|(metric, kind)| {
+                Part::new(Quantity::new(if kind.is_empty() { label.as_str() } else { kind }, unit), values(metric))
             })
             .collect(),
         title: label,
@@ -118,42 +118,82 @@ fn sweep(results: &Results, index: usize, bases: &[usize]) -> Sweep {
     }
 }
 
-/// Whether a grid is one of two numbers.
-pub(super) fn is_map(results: &Results) -> bool {
-    let numbers = |factor: &Factor| factor.levels.extremes().iter().all(|level| level.number().is_some());
-    results.study.factors.len() == 2 && results.study.factors.iter().all(numbers)
+/// Whether the levels of a factor repeat a run with other chance, so that they are taken together.
+pub(super) fn is_replicate(factor: &Factor) -> bool {
+    factor.paths == ["seed"]
 }
 
+/// The factors that are not replicates, by number; all of them where nothing else is varied.
+pub(super) fn varied<'s>(results: &Results<'s>) -> Vec<(usize, &'s Factor)> {
+    let all = || results.study.factors.iter().enumerate();
+    let varied: Vec<_> = all().filter(|(_, factor)| !is_replicate(factor)).collect();
+    if varied.is_empty() { all().collect() } else { varied }
+}
+
+/// Whether a grid is one of two numbers, replicates aside.
+pub(super) fn is_map(results: &Results) -> bool {
+    let numbers = |factor: &Factor| factor.levels.extremes().iter().all(|level| level.number().is_some());
+    let varied = varied(results);
+    varied.len() == 2 && varied.iter().all(|(_, factor)| numbers(factor))
+}
+
+/// A map of survival where there are replicates, and one of each figure's median over those that stood.
 pub(super) fn maps(results: &Results, figures: &mut Figures) -> Vec<Section> {
     let study = results.study;
+    let factors = varied(results);
+    let repeated = factors.len() < study.factors.len();
     let mut sections = Vec::new();
     for (number, base) in study.bases.iter().enumerate() {
-        let cell = |row: &Row, metric: usize| {
+        let mut pairs: Vec<([f64; 2], Vec<&Row>)> = Vec::new();
+        for row in results.of(number).iter().filter(|row| could_run(row)) {
             let levels = study.point(row.index).levels;
-            let at = |factor: usize| levels[factor].as_ref().and_then(Level::number).unwrap_or(f64::NAN);
-            let outcome = match row.ending {
-                Ending::Completed => CellOutcome::Survived(row.metrics[metric].unwrap_or(f64::NAN)),
-                _ => CellOutcome::Fell,
-            };
-            Cell { x: at(0), y: at(1), outcome }
-        };
-        let body = html! {
-            @for (metric, column) in results.columns.iter().enumerate() {
-                @let map = SurvivalMap {
-                    x: axis(&study.factors[0]),
-                    y: axis(&study.factors[1]),
-                    shade: Some(quantity(column.label.clone(), column.unit)),
-                    cells: results.of(number).iter().filter(|row| could_run(row)).map(|row| cell(row, metric)).collect(),
-                };
-                (figures.add(
-                    &format!("{}-{}", base.name(), column.name),
-                    &format!("{}: {}", base.name(), column.label),
-                    "Hatched: the robot fell. A dot: it stood, and has no such figure. Nothing: the pair cannot be run.",
-                    |width| map.draw(width),
-                ))
+            let at = [0, 1].map(|k| levels[factors[k].0].as_ref().and_then(Level::number).unwrap_or(f64::NAN));
+            match pairs.iter_mut().find(|(known, _)| *known == at) {
+                Some((_, rows)) => rows.push(row),
+                None => pairs.push((at, vec![row])),
             }
+        }
+        let map = |shade: Quantity, of: &dyn Fn(&[&Row]) -> f64| SurvivalMap {
+            x: axis(factors[0].1),
+            y: axis(factors[1].1),
+            shade: Some(shade),
+            cells: pairs
+                .iter()
+                .map(|(at, rows)| (*at, if survival(rows) > 0.0 { Holds::Value(of(rows)) } else { Holds::Fell }))
+                .collect(),
         };
-        sections.push(Section { title: base.name().to_owned(), body });
+        let mut maps = Vec::new();
+        if repeated {
+            let all = "Hatched: the robot fell in all repetitions.";
+            maps.push((
+                SURVIVED.to_owned(),
+                "share that stood".to_owned(),
+                all,
+                map(Quantity::new("share that stood", ""), &survival),
+            ));
+        }
+        for (metric, column) in results.columns.iter().enumerate() {
+            let (label, note) = if repeated {
+                (
+                    format!("{}, median", column.label),
+                    "The median of the repetitions in which the robot stood. Hatched: it fell in all of them.",
+                )
+            } else {
+                (
+                    column.label.clone(),
+                    "Hatched: the robot fell. A dot: it stood, and has no such figure. Nothing: the pair cannot be run.",
+                )
+            };
+            let of = |rows: &[&Row]| quantile(&values(rows, metric), 0.5);
+            maps.push((column.name.clone(), label.clone(), note, map(Quantity::new(label, column.unit), &of)));
+        }
+        let drawn = maps.into_iter().map(|(name, label, note, map)| {
+            figures.add(&format!("{}-{name}", base.name()), &format!("{}: {label}", base.name()), note, |width| {
+                map.draw(width)
+            })
+        });
+        let drawn: Vec<Markup> = drawn.collect();
+        sections.push(Section { title: base.name().to_owned(), body: html! { @for figure in drawn { (figure) } } });
     }
     sections
 }
@@ -162,26 +202,40 @@ fn could_run(row: &Row) -> bool {
     matches!(row.ending, Ending::Completed | Ending::Fell)
 }
 
+/// The share of `rows` in which the robot stood.
+fn survival(rows: &[&Row]) -> f64 {
+    let stood = rows.iter().filter(|row| row.ending == Ending::Completed).count();
+    if rows.is_empty() { f64::NAN } else { stood as f64 / rows.len() as f64 }
+}
+
+/// The values of a metric of the rows in which the robot stood, in order.
+fn values(rows: &[&Row], metric: usize) -> Vec<f64> {
+    let whole = rows.iter().filter(|row| row.ending == Ending::Completed);
+    let mut values: Vec<f64> = whole.filter_map(|row| row.metrics[metric]).collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+/// The value below which a share of `sorted` lies; not a number where there are none.
+fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let last = sorted.len().saturating_sub(1) as f64;
+    sorted.get((share * last).round() as usize).copied().unwrap_or(f64::NAN)
+}
+
 /// Parts that a factor's range is cut into.
 const PARTS: usize = 8;
 
 /// A list of more numbers than this is a range too: a part for each would hold a run or two.
 const MOST_LISTED: usize = 2 * PARTS;
 
-/// Whether each level of a factor is a part of its own.
-fn has_own_parts(factor: &Factor) -> bool {
-    let levels = factor.levels.extremes();
-    let numbers = levels.iter().all(|level| level.number().is_some());
-    !numbers || factor.levels.is_list() && levels.len() <= MOST_LISTED
-}
-
-/// Survival and medians in parts of each factor's range.
+/// Survival, medians, quartiles and extremes at the levels of each factor, or in parts of its range.
 pub(super) fn parts(results: &Results, figures: &mut Figures) -> Vec<Section> {
     for_each_factor(results, |index, kind, bases| {
         let factor = &results.study.factors[index];
         let chart = binned(results, index, bases);
         let title = format!("Along the {}, {kind}", factor.title());
-        let note = "Survival, and medians of the runs that did not fall.";
+        let note = "The share of the runs that did not fall; of those the median of each figure, the middle half, and from the \
+                    least to the greatest.";
         figures.add(&format!("{}-{kind}", factor.name), &title, note, |width| chart.draw(width))
     })
 }
@@ -189,8 +243,9 @@ pub(super) fn parts(results: &Results, figures: &mut Figures) -> Vec<Section> {
 fn binned(results: &Results, index: usize, bases: &[usize]) -> Sweep {
     let factor = &results.study.factors[index];
     let extremes = factor.levels.extremes();
-    let texts = has_own_parts(factor);
-    let count = if texts { extremes.len() } else { PARTS };
+    let texts = extremes.iter().any(|level| level.number().is_none());
+    let own_parts = texts || factor.levels.is_list() && extremes.len() <= MOST_LISTED;
+    let count = if own_parts { extremes.len() } else { PARTS };
     let middle = |part: usize| factor.levels.at((part as f64 + 0.5) / count as f64);
     let part_of = |level: &Level| {
         (0..count).min_by(|&a, &b| {
@@ -212,31 +267,24 @@ fn binned(results: &Results, index: usize, bases: &[usize]) -> Sweep {
             bins
         })
         .collect();
-    let median = |rows: &[&Row], metric: usize| {
-        let whole = rows.iter().filter(|row| row.ending == Ending::Completed);
-        let mut values: Vec<f64> = whole.filter_map(|row| row.metrics[metric]).collect();
-        values.sort_by(f64::total_cmp);
-        values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
-    };
-    let share = |rows: &[&Row]| {
-        let stood = rows.iter().filter(|row| row.ending == Ending::Completed).count();
-        if rows.is_empty() { f64::NAN } else { stood as f64 / rows.len() as f64 }
-    };
-    let x = |part: usize| middle(part).number().filter(|_| !texts).unwrap_or(part as f64);
-    let mut panels = vec![Panel {
-        title: SURVIVED.into(),
-        parts: vec![Part {
-            y: quantity("share", ""),
-            values: bins.iter().map(|bins| bins.iter().map(|rows| share(rows)).collect()).collect(),
-        }],
-    }];
-    panels.extend(results.columns.iter().enumerate().map(|(metric, column)| Panel {
-        title: column.label.clone(),
-        parts: vec![Part {
-            y: quantity("median", column.unit),
-            values: bins.iter().map(|bins| bins.iter().map(|rows| median(rows, metric)).collect()).collect(),
-        }],
+    let shares = bins.iter().map(|bins| bins.iter().map(|rows| survival(rows)).collect()).collect();
+    let mut panels = vec![Panel { title: SURVIVED.into(), parts: vec![Part::new(Quantity::new("share", ""), shares)] }];
+    panels.extend(results.columns.iter().enumerate().map(|(metric, column)| {
+        let sorted: Vec<Vec<Vec<f64>>> =
+            bins.iter().map(|bins| bins.iter().map(|rows| values(rows, metric)).collect()).collect();
+        let part = Part {
+            y: Quantity::new("median", column.unit),
+            values: sorted.iter().map(|bins| bins.iter().map(|values| quantile(values, 0.5)).collect()).collect(),
+            spreads: sorted
+                .iter()
+                .map(|bins| {
+                    bins.iter().map(|values| [0.0, 0.25, 0.75, 1.0].map(|share| quantile(values, share))).collect()
+                })
+                .collect(),
+        };
+        Panel { title: column.label.clone(), parts: vec![part] }
     }));
+    let x = |part: usize| middle(part).number().filter(|_| !texts).unwrap_or(part as f64);
     Sweep {
         x: axis(factor),
         categories: if texts { extremes.iter().map(Level::to_string).collect() } else { Vec::new() },
@@ -284,7 +332,7 @@ mod tests {
     #[test]
     fn a_short_list_has_a_part_for_each_level_and_a_long_one_is_cut_like_a_range() {
         let short = chart(10);
-        assert_eq!((short.categories.len(), short.series[0].points.len()), (10, 10));
+        assert_eq!((short.categories.len(), short.series[0].points.len()), (0, 10));
         let long = chart(200);
         assert_eq!((long.categories.len(), long.series[0].points.len()), (0, PARTS));
         let survival = &long.panels[0].parts[0].values[0];

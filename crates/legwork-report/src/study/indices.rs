@@ -3,13 +3,16 @@
 use legwork::error::Error;
 use legwork::study::Factor;
 use legwork::study::results::{Results, Sensitivity};
-use legwork::study::sensitivity::Estimate;
+use legwork::study::sensitivity::{Effects, Estimate};
 use maud::html;
 
-use super::{BOOTSTRAP, endings, quantity};
+use super::{BOOTSTRAP, endings};
+use crate::charts::axis::{Axis, Quantity};
 use crate::charts::bars::{Bar, Bars, Group};
-use crate::charts::heat_map::HeatMap;
-use crate::charts::scatter::{Labelled, Scatter};
+use crate::charts::chart::{Chart, Part};
+use crate::charts::labels::Labelled;
+use crate::charts::layer::Layer;
+use crate::charts::map::HeatMap;
 use crate::document::{Chapter, Figures, Section};
 
 /// The name of a metric as a figure's label.
@@ -33,7 +36,7 @@ pub(super) fn sobol(results: &Results, base: usize, figures: &mut Figures) -> Re
         column_title: String::new(),
         rows: factors.clone(),
         columns: with.iter().map(|s| metric_label(results, &s.metric)).collect(),
-        value: quantity("total index", ""),
+        value: Quantity::new("total index", ""),
         cells: (0..factors.len()).map(|row| total(row).collect()).collect(),
         centre: None,
     };
@@ -52,7 +55,7 @@ pub(super) fn sobol(results: &Results, base: usize, figures: &mut Figures) -> Re
         let Some(shares) = &sensitivity.indices.shares else { continue };
         let label = metric_label(results, &sensitivity.metric);
         let bars = Bars {
-            value: quantity("Sobol' index", ""),
+            value: Quantity::new("Sobol' index", ""),
             series: vec!["first order".into(), "total".into()],
             interval: format!("{:.0} % interval", 100.0 * BOOTSTRAP.level),
             groups: (factors.iter().zip(&shares.first).zip(&shares.total))
@@ -69,7 +72,7 @@ pub(super) fn sobol(results: &Results, base: usize, figures: &mut Figures) -> Re
             column_title: String::new(),
             rows: factors.clone(),
             columns: factors.clone(),
-            value: quantity("second-order index", ""),
+            value: Quantity::new("second-order index", ""),
             cells,
             centre: None,
         };
@@ -110,15 +113,14 @@ pub(super) fn morris(results: &Results, base: usize, figures: &mut Figures) -> R
     let mut sections = Vec::new();
     for (metric, effects) in results.morris(base, &BOOTSTRAP)? {
         let label = metric_label(results, &metric);
+        let at = |effect: &Effects| [effect.mu_star.value, effect.sigma];
         let points = study.factors.iter().zip(&effects);
-        let chart = Scatter {
-            x: quantity("mean absolute effect \u{3bc}*", ""),
-            y: quantity("deviation \u{3c3}", ""),
-            points: points
-                .map(|(factor, effect)| Labelled { label: factor.title(), at: [effect.mu_star.value, effect.sigma] })
-                .collect(),
-            rays: vec![(1.0, "\u{3c3} = \u{3bc}*".into())],
-        };
+        let points = points.map(|(factor, effect)| Labelled { label: factor.title(), at: at(effect) }).collect();
+        let [far, high] = [0, 1].map(|k| effects.iter().map(|effect| at(effect)[k]).fold(0.0, f64::max));
+        let ray = vec![[0.0, 0.0], [far.min(high), far.min(high)]];
+        let layers = vec![Layer::line("\u{3c3} = \u{3bc}*", "marked", ray), Layer::Labelled(points)];
+        let x = Axis::near_zero(Quantity::new("mean absolute effect \u{3bc}*", ""), [0.0, far]);
+        let chart = Chart::of(x, Part::new(Quantity::new("deviation \u{3c3}", ""), 330.0, layers));
         let body = figures.add(
             &format!("{name}-{metric}"),
             &format!("Elementary effects on {label}, {name}"),

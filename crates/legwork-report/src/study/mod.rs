@@ -14,9 +14,9 @@ use legwork::study::results::{Endings, Results};
 use legwork::study::sensitivity::Bootstrap;
 use maud::{Markup, html};
 
-use super::charts::axis::Quantity;
-use super::document::{Chapter, Figures, Page, Section, page as document};
-use along::{is_map, maps, parts, sweeps};
+use crate::charts::axis::Quantity;
+use crate::document::{Chapter, Figures, Page, Section, page as document};
+use along::{is_map, is_replicate, maps, parts, sweeps, varied};
 use indices::{morris, sobol};
 
 /// The intervals of the indices: percentile bootstrap of the base samples.
@@ -55,14 +55,17 @@ pub fn page(results: &Results) -> Result<Page, Error> {
         }
         Design::Grid if is_map(results) => chapters.push(Chapter {
             title: "Two factors together".into(),
-            lead: html! { p { "Each combination of levels is one rollout." } },
+            lead: html! { p { "Each combination of levels is one " (if seeds(results) > 1 { "group of rollouts" } else { "rollout" }) "." (repetitions(results)) } },
             sections: maps(results, &mut figures),
         }),
         Design::Grid | Design::LatinHypercube { .. } | Design::SobolSequence { .. } => chapters.push(Chapter {
             title: "Along each factor".into(),
             lead: html! {
-                p { "All factors vary at once. Along each one the rollouts are taken together in equal parts of its "
-                    "range: the share of them that did not fall, and the median of each figure over those." }
+                p {
+                    @if varied(results).len() > 1 { "All factors vary at once. " }
+                    "Along each factor the rollouts are taken together at its levels or in equal parts of its range: the share of "
+                    "them that did not fall, and the spread of each figure over those." (repetitions(results))
+                }
             },
             sections: parts(results, &mut figures),
         }),
@@ -98,6 +101,21 @@ pub fn endings(endings: &Endings) -> String {
         }
     }
     text
+}
+
+/// How often each combination of the other factors is run.
+fn seeds(results: &Results) -> usize {
+    let factors = &results.study.factors;
+    let levels = |factor: &Factor| factor.levels.extremes().len();
+    if factors.len() > 1 { factors.iter().find(|factor| is_replicate(factor)).map_or(1, levels) } else { 1 }
+}
+
+/// What is to be said of seeds.
+fn repetitions(results: &Results) -> String {
+    match seeds(results) {
+        1 => String::new(),
+        count => format!(" Each combination is run with {count} seeds, which are repetitions and no factor."),
+    }
 }
 
 const FALL_NOTE: &str = "A cross marks a fall; the figures of a run that fell are not drawn.";
@@ -147,14 +165,10 @@ fn cause_title(label: &str) -> &str {
     FirstCause::LABELS.iter().find(|(known, _)| *known == label).map_or(label, |(_, title)| title)
 }
 
-fn quantity(name: impl Into<String>, unit: &str) -> Quantity {
-    Quantity { name: name.into(), unit: unit.into(), log: false }
-}
-
 /// The axis of a factor.
 fn axis(factor: &Factor) -> Quantity {
     let unit = if factor.relative { "times the base" } else { factor.unit() };
-    Quantity { name: factor.title(), unit: unit.into(), log: factor.levels.is_logarithmic() }
+    Quantity::new(factor.title(), unit).logarithmic(factor.levels.is_logarithmic())
 }
 
 fn repeat(results: &Results) -> Markup {

@@ -5,7 +5,7 @@ use legwork::published;
 use maud::{Markup, html};
 
 use super::origin;
-use super::scale::{power_of_ten, tick_label};
+use crate::charts::numbers::{number, tick_label};
 
 /// Whether the thesis publishes figures of a scenario of this name.
 pub(super) fn is_published(run: &Run) -> bool {
@@ -204,47 +204,9 @@ fn as_published(value: f64) -> String {
     number(value).replacen("0\u{b7}", "\u{b7}", 1)
 }
 
-/// A number with three significant digits; whole ones as they are, large and small ones with a power of ten.
-pub(super) fn number(value: f64) -> String {
-    if !value.is_finite() {
-        return "not a number".into();
-    }
-    let exponent =
-        format!("{:.2e}", value.abs()).split_once('e').and_then(|(_, power)| power.parse().ok()).unwrap_or(0);
-    let text = if value.fract() == 0.0 && value.abs() < 1e4 {
-        tick_label(value, 1.0)
-    } else if (-3..4).contains(&exponent) {
-        format!("{value:.*}", (2 - exponent).max(0) as usize)
-    } else {
-        format!("{:.2}\u{b7}{}", value / 10.0_f64.powi(exponent), power_of_ten(exponent))
-    };
-    text.replace('-', "\u{2212}")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_have_three_digits() {
-        for (value, text) in [
-            (0.0, "0"),
-            (-0.0, "0"),
-            (13.0, "13"),
-            (0.0129, "0.0129"),
-            (0.002, "0.00200"),
-            (1.8e-4, "1.80\u{b7}10\u{207b}\u{2074}"),
-            (30_512.0, "3.05\u{b7}10\u{2074}"),
-            (220.0, "220"),
-            (9999.0, "9999"),
-            (9999.9, "1.00\u{b7}10\u{2074}"),
-            (-69.62, "\u{2212}69.6"),
-            (1e-10, "1.00\u{b7}10\u{207b}\u{b9}\u{2070}"),
-            (f64::NAN, "not a number"),
-        ] {
-            assert_eq!(number(value), text);
-        }
-    }
 
     #[test]
     fn differences_have_a_sign() {

@@ -7,9 +7,9 @@ use serde::Serialize;
 
 use super::figures::{plain, side};
 use super::limits;
-use super::scale::{Px, extent};
 use super::stick::{Planar, Pose, Poses, View, translate};
-use super::svg;
+use crate::charts::numbers::{Px, extent};
+use crate::charts::svg;
 
 /// Shortest time between two frames [s].
 const PERIOD: f64 = 0.005;

@@ -69,7 +69,7 @@ pub(super) fn command(scenario: &Scenario) -> Command {
             Command { line: format!("legwork run {}{}", scenario.name, sets.collect::<String>()), needs_file: false }
         }
         None => {
-            let file = quoted(&format!("{}.toml", super::file_name(&scenario.name)));
+            let file = quoted(&format!("{}.toml", crate::file_name(&scenario.name)));
             Command { line: format!("legwork run {file}"), needs_file: true }
         }
     }

@@ -6,9 +6,9 @@ use legwork::terrain::Terrain;
 use legwork_rbd::Model;
 use maud::html;
 
-use super::scale::{Px, round_step};
 use super::stick::{Planar, Pose, Poses, Skeleton, View, keys};
-use super::svg::{self, Drawing, Key};
+use crate::charts::numbers::{Px, round_step};
+use crate::charts::svg::{self, Drawing, Key};
 
 /// How many poses are shown.
 const POSES: usize = 10;
@@ -131,5 +131,5 @@ fn shape_distance(a: &Pose, b: &Pose) -> f64 {
 /// Between the outermost points of the robot [m].
 fn middle(pose: &Pose) -> f64 {
     let x = |point: &Planar| point[0];
-    super::scale::extent(pose.points.iter().map(x)).map_or(0.0, |(low, high)| 0.5 * (low + high))
+    crate::charts::numbers::extent(pose.points.iter().map(x)).map_or(0.0, |(low, high)| 0.5 * (low + high))
 }

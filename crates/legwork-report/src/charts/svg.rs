@@ -2,31 +2,31 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::scale::Px;
+use super::numbers::Px;
 
 /// Colours and line styles, shared by the page and the files of `--plots`.
-pub(super) const FIGURE_STYLE: &str = include_str!("figure.css");
+pub(crate) const FIGURE_STYLE: &str = include_str!("figure.css");
 /// The colours of a light page.
-pub(super) const LIGHT: &str = include_str!("light.css");
+pub(crate) const LIGHT: &str = include_str!("light.css");
 
 /// Height of a row of the legend [px].
 const ROW: f64 = 20.0;
 
 /// A finished drawing.
 #[derive(Clone, Debug)]
-pub(super) struct Drawing {
-    pub(super) width: f64,
-    pub(super) height: f64,
+pub(crate) struct Drawing {
+    pub(crate) width: f64,
+    pub(crate) height: f64,
     /// What is to be seen, for who can't see it.
-    pub(super) description: String,
+    pub(crate) description: String,
     /// Where a time axis lies: from when to when [s], from where to where [px], from top to bottom [px].
-    pub(super) time_axis: Option<[[f64; 2]; 3]>,
-    pub(super) content: Markup,
+    pub(crate) time_axis: Option<[[f64; 2]; 3]>,
+    pub(crate) content: Markup,
 }
 
 impl Drawing {
     /// It as part of a page.
-    pub(super) fn inline(&self, class: &str) -> Markup {
+    pub(crate) fn inline(&self, class: &str) -> Markup {
         let pair = |[a, b]: [f64; 2]| format!("{} {}", Px(a), Px(b));
         let seconds = self.time_axis.map(|[time, ..]| format!("{} {}", time[0], time[1]));
         let [across, down] = [1, 2].map(|k| self.time_axis.map(|axis| pair(axis[k])));
@@ -39,7 +39,7 @@ impl Drawing {
     }
 
     /// It as a file of its own, in the light colours.
-    pub(super) fn standalone(&self, title: &str) -> String {
+    pub(crate) fn standalone(&self, title: &str) -> String {
         let (width, height) = (Px(self.width), Px(self.height));
         let drawing = html! {
             svg xmlns="http://www.w3.org/2000/svg" class="figure" width=(width) height=(height)
@@ -64,7 +64,7 @@ fn resolved_style() -> String {
 }
 
 /// Points joined by straight lines, as a path.
-pub(super) fn path(lines: &[Vec<[f64; 2]>]) -> String {
+pub(crate) fn path(lines: &[Vec<[f64; 2]>]) -> String {
     let mut text = String::new();
     for line in lines {
         for (index, [x, y]) in line.iter().enumerate() {
@@ -75,7 +75,7 @@ pub(super) fn path(lines: &[Vec<[f64; 2]>]) -> String {
 }
 
 /// An arrow from `tail` to `tip` [px] as a path; nothing where it would be shorter than two pixels.
-pub(super) fn arrow(tail: [f64; 2], tip: [f64; 2]) -> String {
+pub(crate) fn arrow(tail: [f64; 2], tip: [f64; 2]) -> String {
     let (x, y) = (tip[0] - tail[0], tip[1] - tail[1]);
     let length = x.hypot(y);
     if !(2.0..1e6).contains(&length) {
@@ -88,7 +88,7 @@ pub(super) fn arrow(tail: [f64; 2], tip: [f64; 2]) -> String {
 }
 
 /// An asterisk of six arms around `centre` [px] as a path.
-pub(super) fn asterisk(centre: [f64; 2], radius: f64) -> String {
+pub(crate) fn asterisk(centre: [f64; 2], radius: f64) -> String {
     let arms = [0.5, 7.0 / 6.0, 11.0 / 6.0].map(|turn: f64| {
         let (sin, cos) = (turn * std::f64::consts::PI).sin_cos();
         let end = |side: f64| [centre[0] + side * radius * cos, centre[1] + side * radius * sin];
@@ -98,7 +98,7 @@ pub(super) fn asterisk(centre: [f64; 2], radius: f64) -> String {
 }
 
 /// An upright cross, turned by an eighth, around `centre` [px] as a path.
-pub(super) fn cross([x, y]: [f64; 2], radius: f64) -> String {
+pub(crate) fn cross([x, y]: [f64; 2], radius: f64) -> String {
     path(&[
         vec![[x - radius, y - radius], [x + radius, y + radius]],
         vec![[x - radius, y + radius], [x + radius, y - radius]],
@@ -106,7 +106,7 @@ pub(super) fn cross([x, y]: [f64; 2], radius: f64) -> String {
 }
 
 /// An error bar between two points on one vertical or horizontal [px] as a path.
-pub(super) fn whisker(from: [f64; 2], to: [f64; 2]) -> String {
+pub(crate) fn whisker(from: [f64; 2], to: [f64; 2]) -> String {
     let cap = |[x, y]: [f64; 2]| {
         if (from[0] - to[0]).abs() < 1e-9 { vec![[x - 3.0, y], [x + 3.0, y]] } else { vec![[x, y - 3.0], [x, y + 3.0]] }
     };
@@ -114,10 +114,10 @@ pub(super) fn whisker(from: [f64; 2], to: [f64; 2]) -> String {
 }
 
 /// How many marks of [`shape`] differ.
-pub(super) const SHAPES: usize = 6;
+pub(crate) const SHAPES: usize = 6;
 
 /// The mark of the `index`-th series around `centre` [px] as a closed path: marks tell series apart without colours.
-pub(super) fn shape(index: usize, [x, y]: [f64; 2], radius: f64) -> String {
+pub(crate) fn shape(index: usize, [x, y]: [f64; 2], radius: f64) -> String {
     let corners: &[[f64; 2]] = match index % SHAPES {
         0 => {
             let r = Px(radius);
@@ -153,7 +153,7 @@ pub(super) fn shape(index: usize, [x, y]: [f64; 2], radius: f64) -> String {
 
 /// How an entry of a legend is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Symbol {
+pub(crate) enum Symbol {
     /// A piece of a line.
     Line,
     /// A piece of an area.
@@ -174,21 +174,21 @@ pub(super) enum Symbol {
 
 /// An entry of a legend.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Key {
-    pub(super) symbol: Symbol,
+pub(crate) struct Key {
+    pub(crate) symbol: Symbol,
     /// Classes of [`FIGURE_STYLE`].
-    pub(super) class: String,
-    pub(super) label: String,
+    pub(crate) class: String,
+    pub(crate) label: String,
 }
 
 impl Key {
-    pub(super) fn new(symbol: Symbol, class: &str, label: &str) -> Self {
+    pub(crate) fn new(symbol: Symbol, class: &str, label: &str) -> Self {
         Self { symbol, class: class.to_owned(), label: label.to_owned() }
     }
 }
 
 /// About how wide a text is at the size of all texts [px]: as in Helvetica; fonts differ.
-pub(super) fn text_width(text: &str) -> f64 {
+pub(crate) fn text_width(text: &str) -> f64 {
     let share = |c: char| match c {
         'i' | 'j' | 'l' | '.' | ',' | ':' | ';' | '\'' | '|' => 0.24,
         'f' | 't' | 'I' | ' ' | '(' | ')' | '[' | ']' | '/' | '-' => 0.29,
@@ -202,7 +202,7 @@ pub(super) fn text_width(text: &str) -> f64 {
 }
 
 /// Draws `keys` in rows between `left` and `right` [px] from the top on; returns its height [px] as well.
-pub(super) fn legend(keys: &[Key], left: f64, right: f64) -> (Markup, f64) {
+pub(crate) fn legend(keys: &[Key], left: f64, right: f64) -> (Markup, f64) {
     let sample =
         |key: &Key| if matches!(key.symbol, Symbol::Line | Symbol::Arrow | Symbol::Marked(_)) { 26.0 } else { 14.0 };
     let (mut x, mut row) = (left, 0);

@@ -31,7 +31,7 @@ fn fallen() -> Run {
 }
 
 /// Checks that tags are balanced and attributes quoted, and that what XML reserves is escaped.
-pub(super) fn assert_well_formed(text: &str, void: &[&str]) {
+pub(crate) fn assert_well_formed(text: &str, void: &[&str]) {
     let mut open: Vec<String> = Vec::new();
     let mut rest = text;
     while let Some(at) = rest.find('<') {

@@ -8,8 +8,8 @@ use maud::{Markup, html};
 use nalgebra::Vector3;
 
 use super::figures::side;
-use super::scale::Px;
-use super::svg::{self, Key, Symbol};
+use crate::charts::numbers::Px;
+use crate::charts::svg::{self, Key, Symbol};
 
 /// How far before its point a push ends, so that its tip is seen beside the mark of the centre of mass [px].
 const SHORT: f64 = 8.0;
@@ -272,7 +272,7 @@ impl View {
         let surface: Vec<Planar> = ground.knots([from, to]).into_iter().map(at).collect();
         let below = |[x, y]: Planar| [x, y + deep];
         let ends = [surface[surface.len() - 1], surface[0]].map(below);
-        let ticks = super::scale::multiples(from, to, step);
+        let ticks = crate::charts::numbers::multiples(from, to, step);
         html! {
             path class="ground" d={ (svg::path(&[surface.iter().copied().chain(ends).collect()])) "Z" } {}
             path class="surface" d={
@@ -282,7 +282,7 @@ impl View {
             g class="ticks" text-anchor="middle" {
                 // A number that the edge would cut is left out.
                 @for &tick in ticks.iter().filter(|tick| (**tick - from).min(to - **tick) * self.scale > 13.0) {
-                    text x=(Px(at(tick)[0])) y=(Px(at(tick)[1] + 18.0)) { (super::scale::tick_label(tick, step)) }
+                    text x=(Px(at(tick)[0])) y=(Px(at(tick)[1] + 18.0)) { (crate::charts::numbers::tick_label(tick, step)) }
                 }
             }
         }

@@ -5,14 +5,34 @@ use legwork::episode::Run;
 use legwork::feet::FootRows;
 use legwork::log::Field;
 
-use super::chart::{Panel, Row, rows_panel};
-use super::figures::{line, panel, plain, side, spans};
+use super::figures::{dashed, foot_name, line, part, plain, side, spans};
+use crate::charts::axis::Axis;
+use crate::charts::chart::Part;
+use crate::charts::layer::Layer;
 
-/// Rows of active limits and fallbacks, then a panel of slack for each task.
-pub(super) fn panels(run: &Run, times: &[f64]) -> Vec<Panel> {
-    let mut panels = vec![rows_panel(rows(run, times))];
-    panels.extend(slack(run));
-    panels
+/// When something was the case.
+struct Row {
+    label: String,
+    /// As a share of the time.
+    note: String,
+    /// From when to when [s], at which side: −1 below, 1 above, 0 both.
+    spans: Vec<([f64; 2], i8)>,
+    class: &'static str,
+}
+
+/// Height of a row [px].
+const ROW: f64 = 17.0;
+
+/// Rows of active limits and fallbacks, then a part of slack for each task.
+pub(super) fn parts(run: &Run, times: &[f64]) -> Vec<Part> {
+    let rows = rows(run, times);
+    let names = rows.iter().map(|row| row.label.clone()).collect();
+    let notes = rows.iter().enumerate().map(|(row, Row { note, .. })| (row as f64, note.clone())).collect();
+    let height = ROW * rows.len() as f64;
+    let layers = rows.into_iter().enumerate().map(|(row, Row { spans, class, .. })| Layer::Row { class, row, spans });
+    let mut parts = vec![Part { y: Axis::of_texts("", names), height, layers: layers.collect(), notes }];
+    parts.extend(slack(run, times));
+    parts
 }
 
 /// The limits that are active in record `index`, with their side. Those of a contact whose force the program holds at
@@ -67,25 +87,26 @@ fn rows(run: &Run, times: &[f64]) -> Vec<Row> {
 }
 
 /// The size of each task's slack.
-fn slack(run: &Run) -> Vec<Panel> {
+fn slack(run: &Run, times: &[f64]) -> Vec<Part> {
     let (log, d) = (&run.log, run.model.linear_axes().len());
     let angular = run.model.angular_axes().len();
-    let norm = |range: std::ops::Range<usize>| -> Vec<f64> {
+    let norm = |label: &str, class: &str, range: std::ops::Range<usize>| {
         let values = |index: usize| &log.get(index, Field::Slack)[range.clone()];
-        (0..log.len()).map(|index| values(index).iter().map(|value| value * value).sum::<f64>().sqrt()).collect()
+        let size = |index: usize| values(index).iter().map(|value| value * value).sum::<f64>().sqrt();
+        line(label, class, times, (0..log.len()).map(size))
     };
     let rows = FootRows::of(&run.model);
     let feet = run.model.feet.iter().zip(&rows).map(|(name, rows)| {
         let first = angular + d + rows.linear.start;
-        let class = if side(name) == "left" { "left dashed" } else { side(name) };
-        line(&plain(name), class, norm(first..first + d))
+        norm(&foot_name(name), dashed(side(name)), first..first + d)
     });
     let feet: Vec<_> = feet.collect();
     let torso = angular + d + rows.last().map_or(0, |rows| rows.linear.end);
+    let one = |name: &str, unit, range| part(name, unit, 86.0, 1.0, vec![norm("slack", "", range)]);
     vec![
-        panel("momentum rate, linear [N]", 86.0, 1.0, vec![line("slack", "", norm(angular..angular + d))]),
-        panel("momentum rate, angular [Nm]", 86.0, 1.0, vec![line("slack", "", norm(0..angular))]),
-        panel("feet [m/s²]", 86.0, 1.0, feet),
-        panel("torso [rad/s²]", 86.0, 1.0, vec![line("slack", "", norm(torso..torso + angular))]),
+        one("momentum rate, linear", "N", angular..angular + d),
+        one("momentum rate, angular", "Nm", 0..angular),
+        part("feet", "m/s\u{b2}", 86.0, 1.0, feet),
+        one("torso", "rad/s\u{b2}", torso..torso + angular),
     ]
 }
