@@ -11,7 +11,6 @@ mod limits;
 mod list;
 mod long_work;
 mod output;
-mod report;
 mod reproduce;
 mod run;
 mod study;

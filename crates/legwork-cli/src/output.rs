@@ -6,6 +6,7 @@ use std::io::{self, BufWriter, ErrorKind, Stdout, Write};
 use std::path::{Path, PathBuf};
 
 use legwork::error::Error;
+use legwork_report::document::Page;
 
 /// Columns of a terminal that everything fits into.
 const WIDTH: usize = 80;
@@ -149,6 +150,17 @@ pub(crate) fn write_file(path: &Path, write: impl FnOnce(&Path) -> Result<(), Er
 /// Writes a text as [`write_file`] does.
 pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), Failure> {
     write_file(path, |path| fs::write(path, text).map_err(|error| Error::io(path, &error)))
+}
+
+/// The name of a page in the folder of its data.
+pub(crate) const PAGE: &str = "report.html";
+
+/// Writes a page into `folder`, and its figures into a folder of their own in it.
+pub(crate) fn write_page(page: &Page, folder: &Path) -> Result<(), Failure> {
+    let figures = folder.join("figures");
+    fs::create_dir_all(&figures).map_err(|error| Error::io(&figures, &error))?;
+    page.figures.iter().try_for_each(|(name, svg)| write_text(&figures.join(name), svg))?;
+    write_text(&folder.join(PAGE), &page.html)
 }
 
 #[cfg(test)]

@@ -13,8 +13,7 @@ use legwork_thesis::{Reproduction, files};
 
 use crate::args::ReproduceArgs;
 use crate::long_work::{INTERRUPTED, Progress, interrupted, listen_for_interrupt};
-use crate::output::{Failure, Output, check_writable, folded, say, write_text};
-use crate::report;
+use crate::output::{Failure, Output, PAGE, check_writable, folded, say, write_page, write_text};
 
 const RESULTS: &str = "results.json";
 
@@ -35,10 +34,10 @@ pub(crate) fn reproduce(options: &ReproduceArgs, output: &mut Output) -> Result<
     files::write(&reproduction, folder)?;
     let json = reproduction.to_json();
     write_text(&folder.join(RESULTS), &format!("{json:#}\n"))?;
-    report::reproduction::page(&reproduction).write(folder)?;
+    write_page(&legwork_report::reproduction::page(&reproduction), folder)?;
     output.line(if options.json { json.to_string() } else { summary(&reproduction) })?;
     output.flush()?;
-    say(&format!("report: {}", folder.join(report::document::PAGE).display()));
+    say(&format!("report: {}", folder.join(PAGE).display()));
     Ok(ExitCode::SUCCESS)
 }
 

@@ -9,11 +9,12 @@ use legwork::error::Error;
 use legwork::scenario::Scenario;
 use legwork::{clock, episode, log_file, scenario_file};
 use legwork_rbd::Model;
+use legwork_report::run as report;
 
 use crate::args::RunArgs;
 use crate::long_work::{INTERRUPTED, Progress, interrupted, listen_for_interrupt};
 use crate::output::{Failure, Output, check_writable, say, write_file, write_text};
-use crate::{report, summary};
+use crate::summary;
 
 pub(crate) fn run(options: &RunArgs, output: &mut Output) -> Result<ExitCode, Failure> {
     // Wrong files and unwritable places are found before anything runs.

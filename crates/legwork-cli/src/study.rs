@@ -11,8 +11,8 @@ use legwork_study::{Rollout, Study};
 
 use crate::args::{MergeArgs, StudyArgs};
 use crate::long_work::{INTERRUPTED, Progress, interrupted, listen_for_interrupt};
-use crate::output::{Failure, Output, say, write_text};
-use crate::{report, study_summary};
+use crate::output::{Failure, Output, say, write_page, write_text};
+use crate::study_summary;
 
 /// What a rollout takes on the disk, tables and all, at most [bytes].
 const BYTES_PER_ROLLOUT: u64 = 4000;
@@ -128,7 +128,7 @@ fn publish(study: &Study, store: &Store, folder: &Path, json: bool, output: &mut
     }
     let summary = study_summary::json(&results)?;
     write_text(&folder.join("results.json"), &format!("{summary:#}\n"))?;
-    report::study::page(&results)?.write(folder)?;
+    write_page(&legwork_report::study::page(&results)?, folder)?;
     output.line(if json { summary.to_string() } else { study_summary::text(&results)? })?;
     output.flush()?;
     say(&format!("report: {}", folder.join("report.html").display()));

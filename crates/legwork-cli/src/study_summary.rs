@@ -4,15 +4,13 @@ use std::fmt::Write as _;
 
 use legwork::error::Error;
 use legwork_study::design::Design;
-use legwork_study::results::{Endings, Results, SURVIVED};
-use legwork_study::sensitivity::{Bootstrap, Estimate};
+use legwork_study::results::{Results, SURVIVED};
+use legwork_study::sensitivity::Estimate;
 use legwork_study::{Ending, Level};
+use legwork_report::study::{BOOTSTRAP, endings};
 use serde_json::{Map, Value, json};
 
 use crate::output::folded;
-
-/// The intervals of the indices: percentile bootstrap of the base samples.
-pub(crate) const BOOTSTRAP: Bootstrap = Bootstrap { resamples: 1000, level: 0.95, seed: 1 };
 
 /// The study in tables, scenario by scenario.
 pub(crate) fn text(results: &Results) -> Result<String, Error> {
@@ -36,27 +34,6 @@ pub(crate) fn text(results: &Results) -> Result<String, Error> {
     }
     text.push('\n');
     Ok(text)
-}
-
-/// How many fell, and of what.
-pub(crate) fn endings(endings: &Endings) -> String {
-    let Endings { rollouts, completed, fell, invalid, failed, causes } = endings;
-    let mut text = format!("{completed} of {rollouts} on their feet to the end");
-    if *fell > 0 {
-        let mut causes: Vec<_> = causes.iter().collect();
-        causes.sort_by_key(|(name, count)| (std::cmp::Reverse(**count), (*name).clone()));
-        let causes: Vec<String> = causes.iter().map(|(cause, count)| format!("{cause} {count}")).collect();
-        let _ = write!(text, ", {fell} fell");
-        if !causes.is_empty() {
-            let _ = write!(text, " ({})", causes.join(", "));
-        }
-    }
-    for (count, what) in [(invalid, "could not be run"), (failed, "failed by a defect of the program")] {
-        if *count > 0 {
-            let _ = write!(text, ", {count} {what}");
-        }
-    }
-    text
 }
 
 /// Columns of a table that fit a terminal.

@@ -6,7 +6,7 @@ use legwork::scenario::Scenario;
 use legwork::scenario_file;
 use legwork::sim::Simulator;
 use legwork_rbd::Dynamics;
-use serde::Serialize;
+use legwork_report::growth::{Growth, Row, Series, Table};
 
 use super::machine::Clock;
 use super::replay;
@@ -26,54 +26,6 @@ const SERIES: [&str; 5] = ["dynamics", "assembly", "solve", "tick", "step"];
 /// The exponents that the algorithms would have by themselves on large robots: least and most.
 const BY_DOFS: [[f64; 2]; 5] = [[1.0, 2.0], [2.0, 2.0], [2.0, 3.0], [2.0, 3.0], [2.0, 3.0]];
 const BY_CONTACTS: [[f64; 2]; 5] = [[1.0, 1.0], [1.0, 2.0], [2.0, 3.0], [2.0, 3.0], [2.0, 3.0]];
-
-/// Growth with degrees of freedom, then with contact points.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Growth {
-    /// Rounds in which every size was measured.
-    pub(crate) rounds: usize,
-    /// A table each.
-    pub(crate) tables: Vec<Table>,
-}
-
-/// Growth with one size, the other held.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Table {
-    /// What grows.
-    pub(crate) over: &'static str,
-    /// What is held, in words.
-    pub(crate) held: String,
-    /// A row a size.
-    pub(crate) rows: Vec<Row>,
-    /// For each column how it grows.
-    pub(crate) series: Vec<Series>,
-}
-
-/// A size and what it takes.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Row {
-    /// Degrees of freedom, or contact points.
-    pub(crate) size: usize,
-    /// Variables of the program.
-    pub(crate) variables: usize,
-    /// Means over the states of the medians over the rounds [µs], in the order of the series.
-    pub(crate) times_us: Vec<f64>,
-    /// Sweeps of the contact solver a step, mean.
-    pub(crate) sweeps: f64,
-    /// Iterations of the solver a tick, mean.
-    pub(crate) iterations: f64,
-}
-
-/// How a time grows.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct Series {
-    /// What takes it.
-    pub(crate) name: &'static str,
-    /// The exponent fitted over the upper half of the sizes; none of fewer than two.
-    pub(crate) exponent: Option<f64>,
-    /// What theory says of large robots: least and most.
-    pub(crate) expected: [f64; 2],
-}
 
 /// A robot that is being measured.
 struct Subject {
@@ -109,21 +61,19 @@ pub(super) fn measure(clock: Clock, seconds: f64) -> Result<Option<Growth>, Erro
     let [by_dofs, by_contacts] = groups.map(rows);
     let (by_dofs, by_contacts) = (by_dofs?, by_contacts?);
     let tables = vec![
-        Table::new("degrees of freedom", "2 contact points".to_owned(), by_dofs, BY_DOFS),
-        Table::new("contact points", "9 degrees of freedom".to_owned(), by_contacts, BY_CONTACTS),
+        table("degrees of freedom", "2 contact points".to_owned(), by_dofs, BY_DOFS),
+        table("contact points", "9 degrees of freedom".to_owned(), by_contacts, BY_CONTACTS),
     ];
     Ok(Some(Growth { rounds: done, tables }))
 }
 
-impl Table {
-    fn new(over: &'static str, held: String, rows: Vec<Row>, expected: [[f64; 2]; 5]) -> Self {
-        let sizes: Vec<f64> = rows.iter().map(|row| row.size as f64).collect();
-        let series = SERIES.iter().zip(expected).enumerate().map(|(index, (name, expected))| {
-            let times: Vec<f64> = rows.iter().map(|row| row.times_us[index]).collect();
-            Series { name, exponent: exponent(&sizes, &times), expected }
-        });
-        Self { over, held, series: series.collect(), rows }
-    }
+fn table(over: &'static str, held: String, rows: Vec<Row>, expected: [[f64; 2]; 5]) -> Table {
+    let sizes: Vec<f64> = rows.iter().map(|row| row.size as f64).collect();
+    let series = SERIES.iter().zip(expected).enumerate().map(|(index, (name, expected))| {
+        let times: Vec<f64> = rows.iter().map(|row| row.times_us[index]).collect();
+        Series { name, exponent: exponent(&sizes, &times), expected }
+    });
+    Table { over, held, series: series.collect(), rows }
 }
 
 /// The slope of `log y` over `log x` by least squares over the upper half of the sizes.

@@ -16,13 +16,12 @@ use std::process::ExitCode;
 
 use legwork::error::Error;
 use legwork_study::Base;
+use legwork_report::growth::{self as growth_page, Growth};
 use serde::Serialize;
 
 use crate::args::BenchArgs;
 use crate::long_work::{conclude, interrupted, listen_for_interrupt};
 use crate::output::{Failure, Output, check_writable, say, write_text};
-use crate::report;
-pub(crate) use growth::{Growth, Series, Table};
 use machine::{Clock, Machine};
 use scenario::Measured;
 
@@ -57,7 +56,7 @@ pub(crate) fn bench(options: &BenchArgs, output: &mut Output) -> Result<ExitCode
     let words = (!options.json).then_some(text::text as fn(&Report) -> String);
     conclude(output, &report, words, report.interrupted, || {
         let (Some(path), Some(growth)) = (&options.plot, &report.growth) else { return Ok(()) };
-        write_text(path, &report::growth::svg(growth))?;
+        write_text(path, &growth_page::svg(growth))?;
         say(&format!("plot: {}", path.display()));
         Ok(())
     })

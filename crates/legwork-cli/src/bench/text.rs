@@ -1,9 +1,11 @@
 //! The tables of `bench` for people.
 
+use legwork_report::growth::{Growth, Table};
+
+use super::Report;
 use super::machine::Machine;
 use super::samples::{Histogram, Statistics};
 use super::scenario::Measured;
-use super::{Growth, Report, Table};
 use crate::output::folded;
 
 /// Columns of the longest bar of a histogram.

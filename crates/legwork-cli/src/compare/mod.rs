@@ -1,6 +1,6 @@
 //! `legwork compare`: two robots at the same speeds and under the same pushes, beside a person.
 
-pub(crate) mod text;
+mod text;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -8,91 +8,22 @@ use std::process::ExitCode;
 use legwork::error::Error;
 use legwork::scenario::CommandedSpeed;
 use legwork_study::Base;
-use legwork_study::comparison::{Gait, PERSON, Person};
+use legwork_study::comparison::{Gait, PERSON};
 use legwork_study::parallel::with_threads;
-use legwork_study::robustness::{Cell, Plan, Robustness, Stride};
+use legwork_study::robustness::{Cell, Plan, Robustness};
 use legwork_study::sizing::{Pair, Sizing, Use};
-use serde::Serialize;
+use legwork_report::comparison::{self, Pushes, Report, Robot, Strike};
 
 use crate::args::CompareArgs;
 use crate::limits::{load, speed_torque};
 use crate::long_work::{Jobs, conclude, interrupted, listen_for_interrupt};
 use crate::output::{Failure, Output, check_writable, say, write_text};
-use crate::report::comparison;
 
 /// Rollouts that a search for the largest impulse takes, about: what the progress counts by.
 const ROLLOUTS: u64 = 15;
 
 /// How much more than the largest demand an actuator should deliver, as a share.
 const MARGIN: f64 = 0.2;
-
-/// All that was found.
-#[derive(Debug, Serialize)]
-pub(crate) struct Report {
-    /// The robots.
-    pub(crate) robots: Vec<Robot>,
-    /// Whom they are held beside.
-    pub(crate) person: Person,
-    /// Whether the pushes were sought quickly, in coarse steps.
-    pub(crate) quick: bool,
-    /// Whether it was interrupted, so that something is missing.
-    pub(crate) interrupted: bool,
-}
-
-/// A robot and what was found of it.
-#[derive(Debug, Serialize)]
-pub(crate) struct Robot {
-    /// The scenario.
-    pub(crate) scenario: String,
-    /// The robot's mass [kg].
-    pub(crate) mass_kg: f64,
-    /// Whether each foot is a point.
-    pub(crate) point_feet: bool,
-    /// How it walks at each speed.
-    pub(crate) gaits: Vec<Gait>,
-    /// The pushes that it survives; none where the robots have no speed in common.
-    pub(crate) pushes: Option<Pushes>,
-    /// What its actuators must deliver over all speeds.
-    pub(crate) sizing: Sizing,
-    /// Which speeds it walks at which torque limit.
-    pub(crate) map: Vec<Pair>,
-}
-
-/// The largest impulses that a robot survives.
-#[derive(Debug, Serialize)]
-pub(crate) struct Pushes {
-    /// The speed at which they strike [m/s].
-    pub(crate) speed_mps: f64,
-    /// The stride whose phases are struck.
-    pub(crate) stride: Option<Stride>,
-    /// One for each phase and direction.
-    pub(crate) strikes: Vec<Strike>,
-}
-
-/// The largest impulse of one phase and direction.
-#[derive(Debug, Serialize)]
-pub(crate) struct Strike {
-    /// Phase of the stride; none standing.
-    pub(crate) phase: Option<f64>,
-    /// Direction of the push: 0 forward, 180 backward [deg].
-    pub(crate) direction_deg: f64,
-    /// The impulse [Ns]; none where the robot falls without one.
-    pub(crate) impulse_ns: Option<f64>,
-    /// Why a larger one is not survived.
-    pub(crate) reason_beyond: Option<String>,
-}
-
-impl Report {
-    /// What the comparison is called.
-    pub(crate) fn title(&self) -> String {
-        let [first, second] = &self.robots[..] else { unreachable!("two robots are compared") };
-        match (first.point_feet, second.point_feet) {
-            (true, false) => "Point feet against feet".to_owned(),
-            (false, true) => "Feet against point feet".to_owned(),
-            _ => format!("{} against {}", first.scenario, second.scenario),
-        }
-    }
-}
 
 pub(crate) fn compare(options: &CompareArgs, output: &mut Output) -> Result<ExitCode, Failure> {
     let walkers = [Walker::new(&options.first, options)?, Walker::new(&options.second, options)?];

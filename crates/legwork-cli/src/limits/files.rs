@@ -5,12 +5,10 @@ use std::path::Path;
 
 use legwork::error::Error;
 use legwork_study::sizing::{Demand, Use};
+use legwork_report::envelope::{self, Report};
 use serde::Serialize;
 
-use super::Report;
-use crate::output::{Failure, check_writable, write_text};
-use crate::report::document::PAGE;
-use crate::report::envelope;
+use crate::output::{Failure, PAGE, check_writable, write_page, write_text};
 
 const LIMITS: &str = "limits.csv";
 const ROBUSTNESS: &str = "robustness.csv";
@@ -29,7 +27,7 @@ pub(crate) fn check(folder: &Path) -> Result<(), Failure> {
 
 /// Writes a file for each part that was asked for, and the page.
 pub(crate) fn write(report: &Report, folder: &Path) -> Result<(), Failure> {
-    envelope::page(report).write(folder)?;
+    write_page(&envelope::page(report), folder)?;
     let write = |name: &str, text: String| write_text(&folder.join(name), &text);
     if let Some(answers) = &report.limits {
         let head = "scenario,question,unit,value,first_failure,furthest_held,rollouts,reason_beyond";

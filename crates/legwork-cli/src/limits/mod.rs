@@ -6,12 +6,12 @@ pub(crate) mod text;
 use std::process::ExitCode;
 
 use legwork::error::Error;
-use legwork_study::limits::{self, Answer, Question};
+use legwork_study::limits::{self, Question};
 use legwork_study::parallel::with_threads;
-use legwork_study::robustness::{Cell, Plan, Robustness, Stride};
-use legwork_study::sizing::{Pair, Sizing, SpeedTorque, Use};
+use legwork_study::robustness::{Plan, Robustness};
+use legwork_study::sizing::{Sizing, SpeedTorque, Use};
 use legwork_study::{Base, rollout};
-use serde::Serialize;
+use legwork_report::envelope::{Report, RobustnessMap};
 
 use crate::args::{LimitsArgs, Part};
 use crate::long_work::{Jobs, conclude, interrupted, listen_for_interrupt};
@@ -19,36 +19,6 @@ use crate::output::{Failure, Output, say};
 
 /// Rollouts that an answer and a cell of the robustness map take, about: what the progress counts by.
 const ROLLOUTS: (u64, u64) = (55, 15);
-
-/// All that was found; none in parts that were not asked for.
-#[derive(Debug, Serialize)]
-pub(crate) struct Report {
-    /// The scenario that walks.
-    pub(crate) walk: String,
-    /// The scenario that is pushed.
-    pub(crate) push: String,
-    /// Whether it was sought quickly: in coarse steps, not confirmed as well.
-    pub(crate) quick: bool,
-    /// Whether it was interrupted, so that something is missing.
-    pub(crate) interrupted: bool,
-    /// The limits.
-    pub(crate) limits: Option<Vec<Answer>>,
-    /// The robustness map.
-    pub(crate) robustness: Option<RobustnessMap>,
-    /// The actuator-sizing table.
-    pub(crate) sizing: Option<Sizing>,
-    /// The map over speed and torque limit.
-    pub(crate) map: Option<Vec<Pair>>,
-}
-
-/// The robustness map.
-#[derive(Debug, Serialize)]
-pub(crate) struct RobustnessMap {
-    /// The stride whose phases are struck; none where the robot does not walk.
-    pub(crate) stride: Option<Stride>,
-    /// Its cells.
-    pub(crate) cells: Vec<Cell>,
-}
 
 pub(crate) fn limits(options: &LimitsArgs, output: &mut Output) -> Result<ExitCode, Failure> {
     let study = Study::new(options)?;

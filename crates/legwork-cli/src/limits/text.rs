@@ -4,7 +4,9 @@ use legwork_study::limits::Answer;
 use legwork_study::search::Found;
 use legwork_study::sizing::{Coping, Demand, Pair, Sizing};
 
-use super::{Report, RobustnessMap};
+use legwork_report::comparison::shorter;
+use legwork_report::envelope::{Report, RobustnessMap};
+
 use crate::output::folded;
 
 /// All parts that were asked for.
@@ -72,11 +74,6 @@ fn robustness(map: &RobustnessMap) -> String {
         text += line.trim_end();
     }
     text
-}
-
-/// Without digits that only computing leaves.
-pub(crate) fn shorter(value: f64) -> f64 {
-    (value * 100.0).round() / 100.0
 }
 
 /// Of the columns of the table of actuators.

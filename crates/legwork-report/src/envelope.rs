@@ -1,0 +1,269 @@
+//! The page of `legwork limits`: how far things can go, from where a push may come, and what the actuators deliver.
+
+use legwork_study::Ending;
+use legwork_study::limits::Answer;
+use legwork_study::robustness::{Cell as Struck, Stride};
+use legwork_study::sizing::{Coping, Demand, Pair, Sizing, Use};
+use maud::{Markup, html};
+use serde::Serialize;
+
+use crate::charts::axis::{Axis, Quantity};
+use crate::charts::chart::{Chart, Part, Stack};
+use crate::charts::cloud::Cloud;
+use crate::charts::layer::Layer;
+use crate::charts::map::{HeatMap, Holds, SurvivalMap};
+use crate::charts::numbers::number;
+use crate::charts::polar::{Curve, Polar};
+use crate::document::{Chapter, Figures, Page, Section, page as document};
+
+/// All that was found; none in parts that were not asked for.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// The scenario that walks.
+    pub walk: String,
+    /// The scenario that is pushed.
+    pub push: String,
+    /// Whether it was sought quickly: in coarse steps, not confirmed as well.
+    pub quick: bool,
+    /// Whether it was interrupted, so that something is missing.
+    pub interrupted: bool,
+    /// The limits.
+    pub limits: Option<Vec<Answer>>,
+    /// The robustness map.
+    pub robustness: Option<RobustnessMap>,
+    /// The actuator-sizing table.
+    pub sizing: Option<Sizing>,
+    /// The map over speed and torque limit.
+    pub map: Option<Vec<Pair>>,
+}
+
+/// The robustness map.
+#[derive(Clone, Debug, Serialize)]
+pub struct RobustnessMap {
+    /// The stride whose phases are struck; none where the robot does not walk.
+    pub stride: Option<Stride>,
+    /// Its cells.
+    pub cells: Vec<Struck>,
+}
+
+/// The page of `report`.
+pub fn page(report: &Report) -> Page {
+    let mut figures = Figures::default();
+    let mut chapters = Vec::new();
+    chapters.extend(report.limits.as_deref().map(|answers| limits(answers, report.quick)));
+    chapters.extend(report.robustness.as_ref().map(|map| robustness(map, &mut figures)));
+    chapters.extend(report.sizing.as_ref().map(|sizing| actuators(sizing, &mut figures)));
+    chapters.extend(report.map.as_deref().map(|pairs| speed_torque(pairs, &mut figures)));
+    let lead = html! {
+        p { "How far " b { (report.walk) } " and " b { (report.push) } " can be taken until the robot falls, and what its actuators must deliver." }
+        @if report.interrupted { p class="banner warning" { "The work was interrupted: some of it is missing." } }
+    };
+    document("Limits and sizing", &lead, &chapters, figures)
+}
+
+fn limits(answers: &[Answer], quick: bool) -> Chapter {
+    let shown = |value: Option<f64>| value.map_or("\u{2013}".to_owned(), number);
+    let body = html! {
+        div.scroll { table {
+            thead { tr { th.left { "scenario" } th.left { "question" } th { "limit" } th { "first failure" } th { "furthest that held" } th { "rollouts" } } }
+            tbody {
+                @for answer in answers {
+                    tr {
+                        th scope="row" { (answer.scenario) }
+                        td.left { (answer.question) @if !answer.unit.is_empty() { " " span.unit { "[" (answer.unit) "]" } } }
+                        td.measured { (shown(answer.found.value)) }
+                        td { (shown(answer.found.first_failure)) }
+                        td { (shown(answer.found.furthest_held)) }
+                        td.soft { (answer.found.rollouts) }
+                    }
+                }
+            }
+        } }
+        h4 { "What happens beyond" }
+        ul.note {
+            @for answer in answers {
+                @if let (Some(value), Some(reason)) = (answer.found.first_failure, &answer.found.reason_beyond) {
+                    li { (answer.scenario) ", " (answer.question) ", " (number(value)) @if !answer.unit.is_empty() { " " (answer.unit) } ": " (reason) }
+                }
+            }
+        }
+    };
+    Chapter {
+        title: "Limits".into(),
+        lead: html! {
+            p {
+                "A limit is the last value before the first failure"
+                @if quick { ". It was sought quickly, in coarse steps and without trying the start pose a little off. " }
+                @else { "; its neighbours were tried, also with the start pose a little off. " }
+                "Beyond it single values may still hold: the furthest of them is in the table."
+            }
+        },
+        sections: vec![Section { title: "Answers".into(), body }],
+    }
+}
+
+fn robustness(map: &RobustnessMap, figures: &mut Figures) -> Chapter {
+    let label = |phase: Option<f64>| phase.map_or("standing".to_owned(), |phase| format!("phase {phase:.2}"));
+    let mut phases: Vec<Option<f64>> = Vec::new();
+    let mut directions: Vec<f64> = Vec::new();
+    for cell in &map.cells {
+        if !phases.contains(&cell.phase) {
+            phases.push(cell.phase);
+        }
+        if !directions.contains(&cell.direction_deg) {
+            directions.push(cell.direction_deg);
+        }
+    }
+    let value = |phase: Option<f64>, direction: f64| {
+        let cell = map.cells.iter().find(|cell| cell.phase == phase && cell.direction_deg == direction);
+        cell.and_then(|cell| cell.found.value).unwrap_or(f64::NAN)
+    };
+    let polar = Polar {
+        radius: Quantity::new("largest impulse", "Ns/kg"),
+        directions: ["forward", "up", "backward", "down"].map(str::to_owned),
+        curves: phases
+            .iter()
+            .map(|&phase| Curve {
+                label: label(phase),
+                points: directions.iter().map(|&direction| [direction, value(phase, direction)]).collect(),
+            })
+            .collect(),
+    };
+    let heat = HeatMap {
+        row_title: "phase of the stride".into(),
+        column_title: "direction of the push".into(),
+        rows: phases.iter().map(|&phase| label(phase)).collect(),
+        columns: directions.iter().map(|direction| format!("{direction:.0}\u{b0}")).collect(),
+        value: Quantity::new("largest impulse", "Ns/kg"),
+        cells: phases
+            .iter()
+            .map(|&phase| directions.iter().map(|&direction| value(phase, direction)).collect())
+            .collect(),
+        centre: None,
+    };
+    let body = html! {
+        (figures.add("robustness-polar", "Largest impulse that is survived, by direction",
+            "Per kilogram of the robot, for a push at its centre of mass; a curve for each phase of the stride at which it strikes, and one for standing.",
+            |width| polar.draw(width)))
+        (figures.add("robustness-phase", "The same by direction and phase",
+            "Directions: 0\u{b0} forward, 90\u{b0} up, 180\u{b0} backward, 270\u{b0} down.", |width| heat.draw(width)))
+    };
+    let lead = html! {
+        @if let Some(stride) = map.stride {
+            p { "The stride begins with a step's trigger at " (number(stride.start_s)) " s and lasts " (number(stride.period_s)) " s, until the same foot's next." }
+        } @else {
+            p { "The robot does not walk for long enough to have a stride; it is pushed standing." }
+        }
+    };
+    Chapter {
+        title: "Robustness".into(),
+        lead,
+        sections: vec![Section { title: "Impulse by direction and phase".into(), body }],
+    }
+}
+
+/// The table of the joints' demands.
+pub(super) fn demands(rows: &[Demand]) -> Markup {
+    html! {
+        div.scroll { table {
+            thead { tr {
+                th.left { "joint" } th { "peak torque " span.unit { "[Nm]" } } th { "RMS torque " span.unit { "[Nm]" } }
+                th { "peak speed " span.unit { "[rad/s]" } } th { "peak power " span.unit { "[W]" } } th { "mean power " span.unit { "[W]" } }
+                th { "at its torque limit" }
+            } }
+            tbody {
+                @for demand in rows {
+                    tr {
+                        th scope="row" { (demand.joint.replace('_', " ")) }
+                        td { (number(demand.torque_peak_nm)) } td { (number(demand.torque_rms_nm)) } td { (number(demand.speed_peak_radps)) }
+                        td { (number(demand.power_peak_w)) } td { (number(demand.power_mean_w)) }
+                        td { (format!("{:.1} %", 100.0 * demand.at_limit)) }
+                    }
+                }
+            }
+        } }
+    }
+}
+
+fn actuators(sizing: &Sizing, figures: &mut Figures) -> Chapter {
+    let mut sections = vec![Section {
+        title: "What the actuators must deliver".into(),
+        body: html! {
+            p { "The largest figures of all scenarios, with a margin of " (format!("{:.0} %", 100.0 * sizing.margin)) ". Where a joint is at its torque limit for a share of the time, its peak torque says nothing of the need: the limit does." }
+            (demands(&sizing.required))
+        },
+    }];
+    for used in &sizing.uses {
+        let body = html! {
+            @if used.ending != Ending::Completed {
+                p class="banner bad" { strong { "The robot fell: " } (used.reason.clone().unwrap_or_default()) ". The figures are those up to the fall." }
+            }
+            (demands(&used.joints))
+            (torque_speed_figure(used, figures))
+        };
+        sections.push(Section { title: used.scenario.clone(), body });
+    }
+    Chapter { title: "Actuators".into(), lead: html! {}, sections }
+}
+
+/// The torque-speed clouds of a scenario's joints.
+pub(super) fn torque_speed_figure(used: &Use, figures: &mut Figures) -> Markup {
+    let chart = torque_speed(used);
+    figures.add(
+        &format!("{}-torque-speed", used.scenario),
+        &format!("Torque over speed, {}", used.scenario),
+        "Each tick is a point; darker where there are more. Curves of constant power, and the torque limits.",
+        |width| chart.draw(width),
+    )
+}
+
+fn torque_speed(used: &Use) -> Chart {
+    let largest = used.joints.iter().map(|joint| joint.power_peak_w).fold(0.0, f64::max);
+    let products: Vec<f64> = [100.0, 300.0, 1000.0, 3000.0].into_iter().filter(|power| *power < largest).collect();
+    let axis = |name: &str, unit: &str, k: usize| {
+        Axis::around(Quantity::new(name, unit), used.points.iter().flatten().map(|point| point[k]))
+    };
+    let stack = |(joint, points): (&Demand, &Vec<[f64; 2]>)| {
+        let cloud = Cloud {
+            points: points.clone(),
+            products: products.clone(),
+            product: Quantity::new("power", "W").title(0),
+            among: used.joints.len(),
+        };
+        let limits = [joint.torque_peak_nm, -joint.torque_peak_nm].into_iter().filter(|_| joint.at_limit > 0.0);
+        let limits = limits.map(|y| Layer::Level { class: "bound", label: "torque limit".into(), y });
+        let layers = [Layer::Cloud(cloud)].into_iter().chain(limits).collect();
+        let part = Part { y: axis("torque", "Nm", 1), height: 190.0, layers, notes: Vec::new() };
+        Stack { title: joint.joint.replace('_', " "), x: axis("speed", "rad/s", 0), parts: vec![part] }
+    };
+    Chart::new(used.joints.iter().zip(&used.points).map(stack).collect(), (185.0, 4))
+}
+
+fn speed_torque(pairs: &[Pair], figures: &mut Figures) -> Chapter {
+    let body = speed_torque_figure("speed-torque-map", pairs, figures);
+    Chapter {
+        title: "Speed and torque".into(),
+        lead: html! {},
+        sections: vec![Section { title: "Pairs that are survived".into(), body }],
+    }
+}
+
+/// The map over speed and torque limit; its file is called after `name`.
+pub(super) fn speed_torque_figure(name: &str, pairs: &[Pair], figures: &mut Figures) -> Markup {
+    let holds = |pair: &Pair| match pair.coping {
+        Coping::Falls => Holds::Fell,
+        _ => Holds::Value(pair.mean_speed_mps.unwrap_or(f64::NAN) / pair.speed_mps),
+    };
+    let map = SurvivalMap {
+        x: Quantity::new("speed asked for", "m/s"),
+        y: Quantity::new("torque limit", "Nm"),
+        shade: Some(Quantity::new("speed reached, as a share", "")),
+        cells: pairs.iter().map(|pair| ([pair.speed_mps, pair.torque_limit_nm], holds(pair))).collect(),
+    };
+    figures.add(
+        name,
+        "Which speeds can be walked with which torque limit",
+        "Hatched: the robot falls. The numbers are the mean speed as a share of the one asked for: where it is far from one, the robot stays on its feet but does not walk as it should.",
+        |width| map.draw(width),
+    )
+}

@@ -1,0 +1,112 @@
+//! Which limits of the program were active, and what each task was missed by.
+
+use legwork::control::Fallback;
+use legwork::episode::Run;
+use legwork::feet::FootRows;
+use legwork::log::Field;
+
+use super::figures::{dashed, foot_name, line, part, plain, side, spans};
+use crate::charts::axis::Axis;
+use crate::charts::chart::Part;
+use crate::charts::layer::Layer;
+
+/// When something was the case.
+struct Row {
+    label: String,
+    /// As a share of the time.
+    note: String,
+    /// From when to when [s], at which side: −1 below, 1 above, 0 both.
+    spans: Vec<([f64; 2], i8)>,
+    class: &'static str,
+}
+
+/// Height of a row [px].
+const ROW: f64 = 17.0;
+
+/// Rows of active limits and fallbacks, then a part of slack for each task.
+pub(super) fn parts(run: &Run, times: &[f64]) -> Vec<Part> {
+    let rows = rows(run, times);
+    let names = rows.iter().map(|row| row.label.clone()).collect();
+    let notes = rows.iter().enumerate().map(|(row, Row { note, .. })| (row as f64, note.clone())).collect();
+    let height = ROW * rows.len() as f64;
+    let layers = rows.into_iter().enumerate().map(|(row, Row { spans, class, .. })| Layer::Row { class, row, spans });
+    let mut parts = vec![Part { y: Axis::of_texts("", names), height, layers: layers.collect(), notes }];
+    parts.extend(slack(run, times));
+    parts
+}
+
+/// The limits that are active in record `index`, with their side. Those of a contact whose force the program holds at
+/// zero are left out: they say no more than that the foot swings.
+pub(super) fn active(run: &Run, index: usize) -> impl Iterator<Item = (usize, i8)> + '_ {
+    let d = run.model.linear_axes().len();
+    let forces = run.log.get(index, Field::Grf);
+    let idle = move |name: &str| {
+        run.model.contacts.iter().zip(forces.chunks_exact(d)).any(|(contact, force)| {
+            let own = name.split_once(' ').is_some_and(|(_, rest)| {
+                rest.strip_prefix(contact.name.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(' '))
+            });
+            own && force.iter().all(|component| component.abs() < 1e-6)
+        })
+    };
+    let sides = run.log.get(index, Field::ActiveLimit).iter().enumerate();
+    let sides = sides.filter(|(_, side)| **side != 0.0).map(|(limit, side)| (limit, *side as i8));
+    sides.filter(move |(limit, _)| !idle(&run.layout.limits()[*limit].name))
+}
+
+/// A row for each limit that was ever active, then for each fallback that was ever used.
+fn rows(run: &Run, times: &[f64]) -> Vec<Row> {
+    let period = run.scenario.controller.period_s;
+    let mut sides = vec![vec![0_i8; times.len()]; run.layout.limits().len()];
+    for index in 0..times.len() {
+        active(run, index).for_each(|(limit, side)| sides[limit][index] = side);
+    }
+    let share = |ticks: usize| format!("{:.1} %", 100.0 * ticks as f64 / times.len().max(1) as f64);
+    let mut rows = Vec::new();
+    for (limit, sides) in run.layout.limits().iter().zip(&sides) {
+        let ticks = sides.iter().filter(|side| **side != 0).count();
+        if ticks > 0 {
+            let class = ["torque", "acceleration", "friction"].into_iter().find(|class| limit.name.starts_with(class));
+            let at = |side: i8| spans(times, period, |index| sides[index] == side).into_iter().map(move |s| (s, side));
+            let spans = at(-1).chain(at(1)).collect();
+            let label = plain(&limit.name).replace(" -", " \u{2212}");
+            rows.push(Row { label, note: share(ticks), spans, class: class.unwrap_or("force") });
+        }
+    }
+    for fallback in Fallback::ALL.into_iter().filter(|&fallback| fallback != Fallback::None) {
+        let used = |index: usize| run.log.get(index, Field::Program)[1] as u8 == fallback as u8;
+        let ticks = (0..times.len()).filter(|&index| used(index)).count();
+        if ticks > 0 {
+            let spans = spans(times, period, used).into_iter().map(|span| (span, 0)).collect();
+            rows.push(Row { label: fallback.describe().into(), note: share(ticks), spans, class: "fallback" });
+        }
+    }
+    if rows.is_empty() {
+        rows.push(Row { label: "no limit".into(), note: share(0), spans: Vec::new(), class: "force" });
+    }
+    rows
+}
+
+/// The size of each task's slack.
+fn slack(run: &Run, times: &[f64]) -> Vec<Part> {
+    let (log, d) = (&run.log, run.model.linear_axes().len());
+    let angular = run.model.angular_axes().len();
+    let norm = |label: &str, class: &str, range: std::ops::Range<usize>| {
+        let values = |index: usize| &log.get(index, Field::Slack)[range.clone()];
+        let size = |index: usize| values(index).iter().map(|value| value * value).sum::<f64>().sqrt();
+        line(label, class, times, (0..log.len()).map(size))
+    };
+    let rows = FootRows::of(&run.model);
+    let feet = run.model.feet.iter().zip(&rows).map(|(name, rows)| {
+        let first = angular + d + rows.linear.start;
+        norm(&foot_name(name), dashed(side(name)), first..first + d)
+    });
+    let feet: Vec<_> = feet.collect();
+    let torso = angular + d + rows.last().map_or(0, |rows| rows.linear.end);
+    let one = |name: &str, unit, range| part(name, unit, 86.0, 1.0, vec![norm("slack", "", range)]);
+    vec![
+        one("momentum rate, linear", "N", angular..angular + d),
+        one("momentum rate, angular", "Nm", 0..angular),
+        part("feet", "m/s\u{b2}", 86.0, 1.0, feet),
+        one("torso", "rad/s\u{b2}", torso..torso + angular),
+    ]
+}

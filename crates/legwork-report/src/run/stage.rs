@@ -1,0 +1,186 @@
+//! The animated stick figure: its stage, its controls and the data that `animation.js` moves it with.
+
+use legwork::episode::Run;
+use legwork::log::Field;
+use maud::{Markup, PreEscaped, html};
+use serde::Serialize;
+
+use super::figures::{plain, side};
+use super::limits;
+use super::stick::{Planar, Pose, Poses, View, translate};
+use crate::charts::numbers::{Px, extent};
+use crate::charts::svg;
+
+/// Shortest time between two frames [s].
+const PERIOD: f64 = 0.005;
+/// Most frames, so that a long run stays a page that opens.
+const MOST: usize = 6000;
+/// The stage [px]; the page may cut off its sides.
+const SIZE: [f64; 2] = [860.0, 400.0];
+/// From the ground to the lower edge [px].
+const FOOT: f64 = 46.0;
+
+/// What the script reads. Lengths are in mm and forces in N, as whole numbers.
+#[derive(Serialize)]
+struct Data<'a> {
+    /// Between two frames [s].
+    period: f64,
+    /// [px/m]
+    scale: f64,
+    metres_per_newton: f64,
+    cone: [Planar; 2],
+    cone_length: f64,
+    /// Rise of the ground along x.
+    slope: f64,
+    /// Width of the stage and place of the ground in it [px].
+    stage: [f64; 2],
+    /// What the robot covers along x [m].
+    range: Planar,
+    points: usize,
+    links: Vec<[usize; 2]>,
+    joints: &'a [usize],
+    contacts: &'a [usize],
+    pushes: usize,
+    /// What may be said of a frame.
+    states: Vec<String>,
+    /// Points, CoM, its reference, XcoM, references of the feet, forces, pushes (force and place), index of the state.
+    frames: Vec<Vec<i64>>,
+}
+
+/// The animation of `run`, hidden until the script shows it; nothing for a run without records.
+pub(super) fn animation(run: &Run, id: &str) -> Markup {
+    if run.log.is_empty() {
+        return html! {};
+    }
+    let mut poses = Poses::new(run);
+    let scale = (SIZE[1] - FOOT) / (1.17 * poses.height());
+    let view = View::new(&mut poses, scale);
+    let stride =
+        ((PERIOD / run.scenario.controller.period_s).round() as usize).max(run.log.len().div_ceil(MOST)).max(1);
+    let records: Vec<usize> = (0..run.log.len()).step_by(stride).collect();
+    let shown: Vec<Pose> = records.iter().map(|&record| poses.at(record)).collect();
+    let range = extent(shown.iter().flat_map(|pose| pose.points.iter().map(|point| point[0])));
+    let range = range.map_or([0.0, 0.0], |(low, high)| [low, high]);
+
+    let mut states = Vec::new();
+    let frames =
+        records.iter().zip(&shown).map(|(&record, pose)| frame(pose, state(run, record, &mut states))).collect();
+    let data = Data {
+        period: stride as f64 * run.scenario.controller.period_s,
+        scale: scale.round(),
+        metres_per_newton: view.metres_per_newton,
+        cone: view.cone,
+        cone_length: view.cone_length,
+        slope: poses.ground.height_at(1.0),
+        stage: [SIZE[0], SIZE[1] - FOOT],
+        range,
+        points: shown[0].points.len(),
+        links: poses.skeleton.links.iter().map(|(ends, _)| *ends).collect(),
+        joints: &poses.skeleton.joints,
+        contacts: &poses.skeleton.contacts,
+        pushes: run.scenario.pushes.len(),
+        states,
+        frames,
+    };
+    let view = View { scale: data.scale, ..view };
+    markup(run, id, &data, &view, &poses, &shown)
+}
+
+fn markup(run: &Run, id: &str, data: &Data<'_>, view: &View, poses: &Poses<'_>, shown: &[Pose]) -> Markup {
+    let first = &shown[0];
+    let half = 0.5 * SIZE[0] / view.scale + 1.0;
+    let floor = [data.range[0] - half, data.range[1] + half];
+    // Numbers stay countable however far the robot went.
+    let step =
+        [0.5, 1.0, 5.0, 20.0, 100.0].into_iter().find(|step| (floor[1] - floor[0]) / step < 200.0).unwrap_or(1e3);
+    let [x, base] = view.pixel([first.com[0], poses.ground.height_at(first.com[0])]);
+    let camera = translate([0.5 * SIZE[0] - x, data.stage[1] - base]);
+    let last = data.frames.len() - 1;
+    html! {
+        figure.animation id=(id) hidden tabindex="0" data-scenario=(run.scenario.name)
+            aria-label={ "Animation of " (run.scenario.name) } {
+            svg.figure.stage viewBox={ "0 0 " (Px(SIZE[0])) " " (Px(SIZE[1])) } preserveAspectRatio="xMidYMid slice"
+                role="img" aria-label="Stick figure of the robot at the time that the slider shows" {
+                g.world transform=(camera) {
+                    (view.ground(&poses.ground, floor, step, 10.0 * SIZE[1]))
+                    @for (class, d) in trails(view, poses, shown) { path class={ "trail " (class) } d=(d) {} }
+                    g.pose { (view.draw(first, &poses.skeleton, &run.model)) }
+                }
+            }
+            div.controls {
+                button.play type="button" aria-label="Play" { "\u{25b6}" }
+                input.time type="range" min="0" max=(last) value="0" step="1" aria-label="Time";
+                output.clock { "0.000 s" }
+                label { "Speed "
+                    select.speed {
+                        @for (speed, label) in [("0.05", "1/20"), ("0.1", "1/10"), ("0.25", "1/4"), ("0.5", "1/2")] {
+                            option value=(speed) { (label) }
+                        }
+                        option value="1" selected { "1" }
+                        option value="2" { "2" }
+                    }
+                }
+            }
+            p.state { "\u{a0}" }
+            figcaption {
+                "Marks as in the poses below. Space plays and pauses, \u{2190} and \u{2192} move by a frame (with Shift by ten), Home and End to the ends. \
+                 The vertical line in the charts below shows the time; a click there moves to it, \
+                 and so does #" (run.scenario.name) "@1.50 at the end of this page's address."
+            }
+            script.frames type="application/json" { (PreEscaped(embedded(data))) }
+        }
+    }
+}
+
+/// The data in a form that cannot end the element that holds it.
+fn embedded(data: &Data<'_>) -> String {
+    serde_json::to_string(data).unwrap_or_default().replace('<', "\\u003c")
+}
+
+/// The ways of the feet and of the centre of mass.
+fn trails(view: &View, poses: &Poses<'_>, shown: &[Pose]) -> Vec<(&'static str, String)> {
+    let trail = |place: &dyn Fn(&Pose) -> Planar| {
+        let mut line: Vec<Planar> = Vec::new();
+        for pose in shown {
+            let pixel = view.pixel(place(pose));
+            if line.last().is_none_or(|last| (last[0] - pixel[0]).hypot(last[1] - pixel[1]) > 3.0) {
+                line.push(pixel);
+            }
+        }
+        svg::path(&[line])
+    };
+    let feet = poses.skeleton.contacts.iter().zip(&poses.run.model.contacts);
+    let feet = feet.map(|(&point, contact)| (side(&contact.name), trail(&|pose: &Pose| pose.points[point])));
+    feet.chain([("", trail(&|pose: &Pose| pose.com))]).collect()
+}
+
+fn frame(pose: &Pose, state: usize) -> Vec<i64> {
+    let whole = |value: f64| value.round().clamp(-1e9, 1e9) as i64;
+    let mm = |point: &Planar| point.map(|metres| whole(1e3 * metres));
+    let mut row: Vec<i64> = pose.points.iter().flat_map(mm).collect();
+    let marks = [pose.com, pose.com_reference, pose.xcom, pose.feet[0], pose.feet[1]];
+    row.extend(marks.iter().flat_map(mm));
+    row.extend(pose.forces.iter().flat_map(|force| force.map(whole)));
+    for push in &pose.pushes {
+        let [force, at] = push.unwrap_or([[0.0; 2]; 2]);
+        row.extend(force.map(whole).into_iter().chain(mm(&at)));
+    }
+    row.push(state as i64);
+    row
+}
+
+/// The place in `states` of what is to be said of record `index`.
+fn state(run: &Run, index: usize, states: &mut Vec<String>) -> usize {
+    let swing = run.log.get(index, Field::Swing)[0];
+    let foot = run.model.feet.get(swing.max(0.0) as usize).filter(|_| swing >= 0.0);
+    let mut text = foot.map_or("both feet stand".to_owned(), |foot| format!("{} swings", plain(foot)));
+    let limits: Vec<String> =
+        limits::active(run, index).map(|(limit, _)| plain(&run.layout.limits()[limit].name)).collect();
+    if !limits.is_empty() {
+        text += &format!("; at its limit: {}", limits.join(", "));
+    }
+    states.iter().position(|known| *known == text).unwrap_or_else(|| {
+        states.push(text);
+        states.len() - 1
+    })
+}
