@@ -4,14 +4,14 @@
 //! that are always finite and within their limits. Where the program has no solution as it stands, it gives way in
 //! the order of [`Fallback`], and says so.
 
-use legwork_qp::{Constraint, Problem, Solver, Status};
+use legwork_qp::{Problem, Solver, Status};
 use legwork_rbd::{Base, Dynamics, Model};
 
 use crate::contact::Surface;
 use crate::error::Error;
 use crate::feet::{FeetMotion, Footing, Sole};
 use crate::planner::MotionReferencePlanner;
-use crate::qp::{self, Inputs, Layout, Relaxation, Solution, bounds, layout};
+use crate::qp::{self, Condition, Inputs, Layout, Relaxation, Solution, bounds, layout};
 use crate::reference::{ComTrajectory, Observation, Reference, ReferenceGenerator};
 use crate::scenario::{ControllerSettings, Generator, Scenario, Tracking};
 use crate::terrain::Terrain;
@@ -91,8 +91,8 @@ impl Part {
 pub struct Tick {
     /// Status of the program as it stood, before any fallback.
     pub status: Status,
-    /// Where that is infeasible: the constraints that contradict each other ([`Layout::name`] has the words).
-    pub conflict: Vec<Constraint>,
+    /// Where that is infeasible: what contradicts each other.
+    pub conflict: Vec<Condition>,
     /// What was done where that had no solution.
     pub fallback: Fallback,
     /// Iterations of the solver, all attempts together.
@@ -269,7 +269,8 @@ impl Controller {
             tick.iterations += self.solver.iterations();
             if fallback == Fallback::None {
                 tick.status = status;
-                tick.conflict.extend(self.solver.conflict().map(|conflict| conflict.constraint));
+                let named = self.solver.conflict().filter_map(|conflict| self.layout.condition(conflict.constraint));
+                tick.conflict.extend(named);
             }
             if status == Status::Optimal && self.solver.x().iter().all(|value| value.is_finite()) {
                 qp::read_solution(&self.layout, &inputs, self.solver.x(), &mut tick.solution);
@@ -288,7 +289,7 @@ impl Controller {
         for active in self.solver.working_set() {
             let Some(index) = self.layout.limit(active.constraint) else { continue };
             // Without contact the force is zero, which is no limit that is met.
-            if self.layout.limits()[index].contact.is_none_or(|contact| self.stance[contact]) {
+            if self.layout.limits()[index].kind.contact().is_none_or(|contact| self.stance[contact]) {
                 tick.active[index] = layout::side_sign(active.side);
             }
         }
@@ -344,7 +345,7 @@ impl Controller {
         &self.ground
     }
 
-    /// The program's layout, with the names of its limits.
+    /// The program's layout, with its limits.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use legwork_qp::{Constraint, Status};
+use legwork_qp::Status;
 use legwork_rbd::{Dynamics, Model};
 
 use crate::balance::{Meter, Moment};
@@ -11,7 +11,7 @@ use crate::diagnosis::{self, Diagnosis, Fall};
 use crate::error::Error;
 use crate::log::{Field, Log};
 use crate::metrics::{self, Metrics};
-use crate::qp::Layout;
+use crate::qp::{Condition, Layout};
 use crate::scenario::Scenario;
 use crate::sim::Simulator;
 use crate::sim::audit::Audit;
@@ -38,8 +38,8 @@ pub struct ProgramCounts {
     pub solves: u64,
     /// Ticks whose program was infeasible as it stood.
     pub infeasible: u64,
-    /// The first of them: when [s], and which constraints contradicted each other, in words.
-    pub first_infeasible: Option<(f64, Vec<String>)>,
+    /// The first of them: when [s], and what contradicted each other, sorted by its words.
+    pub first_infeasible: Option<(f64, Vec<Condition>)>,
     /// Ticks that ended with a fallback.
     pub fallbacks: u64,
     /// Mean of the solver's iterations a tick.
@@ -127,7 +127,7 @@ pub struct Episode {
     program: ProgramCounts,
     /// Time and constraints of the first infeasible program.
     first_infeasible: Option<f64>,
-    conflict: Vec<Constraint>,
+    conflict: Vec<Condition>,
     iterations: u64,
     tick_times: Vec<f64>,
 }
@@ -372,11 +372,10 @@ impl Episode {
         };
         let mut program = self.program;
         program.first_infeasible = self.first_infeasible.map(|time| {
-            let mut names: Vec<String> =
-                self.conflict.iter().map(|&constraint| self.controller.layout().name(constraint).to_owned()).collect();
-            names.sort();
-            names.dedup();
-            (time, names)
+            let mut conflict = self.conflict;
+            conflict.sort_by_cached_key(|condition| condition.in_words(&self.model));
+            conflict.dedup();
+            (time, conflict)
         });
         program.iterations_mean = self.iterations as f64 / self.tick.max(1) as f64;
         Run {

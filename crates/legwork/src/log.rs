@@ -304,7 +304,7 @@ fn schema(model: &Model, layout: &Layout) -> Vec<(Field, Vec<(String, &'static s
     let places = ["cop_reference", "xcom_reference", "cop", "zmp", "zmp_wanted", "cmp", "xcom_margin"];
     let mut balance = places.map(|name| (name.to_owned(), "m")).to_vec();
     balance.push(("capture_steps".into(), ""));
-    let limits = layout.limits().iter().map(|limit| (format!("limit.{}", limit.name.replace(' ', "_")), ""));
+    let limits = layout.limits().iter().map(|limit| (limit.column(model), ""));
     vec![
         (Field::Time, one("t", "s")),
         (Field::Q, positions.collect()),

@@ -9,7 +9,7 @@ use super::reach::Steps;
 use crate::control::Fallback;
 use crate::feet::FootRows;
 use crate::log::{Field, Log};
-use crate::qp::Layout;
+use crate::qp::{Layout, LimitKind};
 use crate::reference::xcom;
 use crate::scenario::Scenario;
 use crate::terrain::Terrain;
@@ -242,25 +242,26 @@ fn stretches(log: &Log) -> Vec<Stretch> {
 
 /// The limits of the program by cause; an unloaded foot is how a step looks, not a limit that is met.
 fn saturations(model: &Model, layout: &Layout) -> Vec<Saturation> {
-    let of = |cause: FirstCause, index: usize, begin: &str| {
-        let named = |limit: usize| {
-            let name = &layout.limits()[limit].name;
-            name == begin || name.starts_with(&format!("{begin} "))
-        };
-        Saturation { cause, limits: (0..layout.limits().len()).filter(|&limit| named(limit)).collect(), index }
+    let limits = layout.limits();
+    let of = |cause: FirstCause, index: usize, own: &dyn Fn(LimitKind) -> bool| Saturation {
+        cause,
+        limits: (0..limits.len()).filter(|&limit| own(limits[limit].kind)).collect(),
+        index,
     };
     let mut all = Vec::new();
     for (index, &dof) in layout.actuated.iter().enumerate() {
         let joint = model.dofs[dof].name.clone();
-        let (torque, acceleration) = (format!("torque {joint}"), format!("acceleration {joint}"));
+        let torque = |kind| kind == LimitKind::Torque { dof };
+        let acceleration = |kind| kind == LimitKind::Acceleration { dof };
         all.push(of(FirstCause::TorqueLimit { joint: joint.clone() }, index, &torque));
         all.push(of(FirstCause::TorqueRate { joint: joint.clone() }, index, &torque));
         all.push(of(FirstCause::JointLimit { joint: joint.clone() }, index, &acceleration));
         all.push(of(FirstCause::AccelerationLimit { joint }, index, &acceleration));
     }
-    for (index, contact) in model.contacts.iter().enumerate() {
-        let foot = contact.name.clone();
-        let (force, friction) = (format!("force {foot}"), format!("friction {foot}"));
+    for (index, point) in model.contacts.iter().enumerate() {
+        let foot = point.name.clone();
+        let force = |kind| matches!(kind, LimitKind::Force { contact, .. } if contact == index);
+        let friction = |kind| matches!(kind, LimitKind::Friction { contact, .. } if contact == index);
         all.push(of(FirstCause::ForceLimit { foot: foot.clone() }, index, &force));
         all.push(of(FirstCause::Friction { foot }, index, &friction));
     }

@@ -16,6 +16,7 @@ pub mod bounds;
 pub mod constraints;
 pub mod cost;
 pub mod layout;
+pub mod limit;
 mod solution;
 
 use legwork_qp::Problem;
@@ -25,7 +26,8 @@ use crate::contact::Surface;
 use crate::feet::{FeetMotion, Footing};
 use crate::planner::MotionGoal;
 use crate::scenario::{Limits, TrackingSettings, Weights};
-pub use layout::{Layout, Limit};
+pub use layout::Layout;
+pub use limit::{Condition, Limit, LimitKind};
 pub use solution::{Slack, Solution, read_solution};
 
 /// What the program is built from in one tick.
