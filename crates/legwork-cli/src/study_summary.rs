@@ -3,11 +3,11 @@
 use std::fmt::Write as _;
 
 use legwork::error::Error;
+use legwork_report::study::{BOOTSTRAP, endings};
 use legwork_study::design::Design;
 use legwork_study::results::{Results, SURVIVED};
 use legwork_study::sensitivity::Estimate;
 use legwork_study::{Ending, Level};
-use legwork_report::study::{BOOTSTRAP, endings};
 use serde_json::{Map, Value, json};
 
 use crate::output::folded;

@@ -2,6 +2,7 @@
 
 use legwork::episode::{Outcome, Run};
 use legwork::metrics::MeanPeak;
+use legwork::momentum::Condition;
 use legwork::scenario::Scenario;
 use legwork::scenario_file;
 use legwork_thesis::published::{self, Row};
@@ -47,7 +48,7 @@ pub(crate) fn text(run: &Run) -> String {
         let what = format!(
             "{} programs had no solution as they stood, the first at {time:.3} s: {} contradict each other",
             run.program.infeasible,
-            conflict.join(", ")
+            in_words(run, conflict).join(", ")
         );
         text += &format!("\n  {}", folded(&what, 2));
     }
@@ -141,7 +142,7 @@ pub(crate) fn json(run: &Run) -> Value {
         "qp": {
             "solves": qp.solves,
             "infeasible": qp.infeasible,
-            "first_infeasible": qp.first_infeasible.as_ref().map(|(time, conflict)| json!({ "time_s": time, "conflict": conflict })),
+            "first_infeasible": qp.first_infeasible.as_ref().map(|(time, conflict)| json!({ "time_s": time, "conflict": in_words(run, conflict) })),
             "fallbacks": qp.fallbacks,
             "iterations_mean": qp.iterations_mean,
             "iterations_max": qp.iterations_max,
@@ -157,6 +158,11 @@ pub(crate) fn json(run: &Run) -> Value {
             "real_time_factor": real_time_factor(run),
         },
     })
+}
+
+/// What contradicts each other in an infeasible program.
+fn in_words(run: &Run, conflict: &[Condition]) -> Vec<String> {
+    conflict.iter().map(|condition| condition.in_words(&run.model)).collect()
 }
 
 fn simulated(run: &Run) -> f64 {

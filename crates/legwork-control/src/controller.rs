@@ -4,11 +4,11 @@ use std::fmt::Debug;
 
 use legwork_contract::channel::{Channel, Record};
 use legwork_contract::contract::{Command, Sensed};
-use legwork_qp::{Constraint, Status};
+use legwork_qp::Status;
 use legwork_rbd::Dynamics;
 
 use crate::generator::Reference;
-use crate::momentum::Fallback;
+use crate::momentum::{Condition, Fallback, Limit};
 use crate::settings::{ControllerSettings, ReferenceSettings};
 
 /// A controller, whatever is in it. Only [`Controller::tick`] and [`Controller::command`] must be there; the rest is what a log,
@@ -31,9 +31,14 @@ pub trait Controller: Debug + Send + Sync {
         None
     }
 
-    /// The layout of its program.
-    fn layout(&self) -> Option<&crate::momentum::Layout> {
-        None
+    /// The limits that can be active; none for a controller that tells none.
+    fn limits(&self) -> &[Limit] {
+        &[]
+    }
+
+    /// For each of its limits: -1 or 1 where the lower or upper side was active in the latest tick, else 0.
+    fn active(&self) -> &[i8] {
+        &[]
     }
 
     /// What it writes into each record, beside the torques and the reference, which every record has.
@@ -51,10 +56,12 @@ pub trait Controller: Debug + Send + Sync {
 /// How the program of a tick went.
 #[derive(Clone, Debug)]
 pub struct Program {
+    /// Its variables and its rows.
+    pub size: [usize; 2],
     /// Status of the program as it stood, before any fallback.
     pub status: Status,
     /// Where that is infeasible: the constraints that contradict each other.
-    pub conflict: Vec<Constraint>,
+    pub conflict: Vec<Condition>,
     /// What was done where that had no solution.
     pub fallback: Fallback,
     /// Iterations of the solver, all attempts together.
@@ -64,10 +71,10 @@ pub struct Program {
 }
 
 impl Program {
-    /// Storage for conflicts of at most so many `constraints`.
-    pub(crate) fn with_room_for(constraints: usize) -> Self {
-        let conflict = Vec::with_capacity(constraints);
-        Self { status: Status::Optimal, conflict, fallback: Fallback::None, iterations: 0, solves: 0 }
+    /// Of a program of this many variables and rows, before the first tick.
+    pub(crate) fn new(size: [usize; 2]) -> Self {
+        let conflict = Vec::with_capacity(size[0] + size[1]);
+        Self { size, status: Status::Optimal, conflict, fallback: Fallback::None, iterations: 0, solves: 0 }
     }
 
     /// Nothing is solved yet in this tick.

@@ -7,6 +7,7 @@ use legwork::control::Fallback;
 use legwork::episode::Run;
 use legwork::error::Error;
 use legwork::log::Field;
+use legwork::momentum::{Condition, LimitKind};
 use legwork_study::Rollout;
 use legwork_study::rollout::simulate;
 use legwork_study::{Base, Variant};
@@ -43,6 +44,9 @@ pub struct ProgramReport {
     pub first_infeasible_s: Option<f64>,
     /// What contradicted each other there.
     pub conflict: Vec<String>,
+    /// What the limits among that limit, as in `torque`.
+    #[serde(skip)]
+    pub limited: Vec<&'static str>,
     /// How long after the trigger of a step that was [s]; none in double support.
     pub since_trigger_s: Option<f64>,
     /// Ticks in which hard tasks became costs.
@@ -172,6 +176,7 @@ impl ProgramReport {
             run.log.column(column).filter(|&fallback| fallback == f64::from(which as u32)).count()
         };
         let (first_infeasible_s, conflict) = run.program.first_infeasible.clone().unzip();
+        let conflict: Vec<Condition> = conflict.unwrap_or_default();
         let since = |time: f64| {
             let index = (0..run.log.len()).find(|&i| run.log.time(i) >= time)?;
             let swing = run.log.get(index, Field::Swing);
@@ -181,7 +186,8 @@ impl ProgramReport {
             ticks: run.log.len(),
             infeasible: run.program.infeasible,
             first_infeasible_s,
-            conflict: conflict.unwrap_or_default(),
+            limited: conflict.iter().filter_map(Condition::limit).map(LimitKind::quantity).collect(),
+            conflict: conflict.iter().map(|condition| condition.in_words(&run.model)).collect(),
             since_trigger_s: first_infeasible_s.and_then(since),
             tasks_yielded: fallbacks(Fallback::TasksYield),
             torque_held: fallbacks(Fallback::HoldTorque),

@@ -3,7 +3,7 @@
 //! An [`Episode`] lets both act on each other, tick by tick, and writes a record of each tick. Controller, reference generator
 //! and physics are those of the scenario, or one's own ([`Parts`]).
 
-use legwork_qp::{Constraint, Status};
+use legwork_qp::Status;
 use legwork_rbd::{Dynamics, Model};
 
 use crate::balance::{Measures, Meter, Moment};
@@ -16,7 +16,7 @@ use crate::feet::FeetMotion;
 use crate::generator::{Generator, check_model};
 use crate::log::Log;
 use crate::metrics::{self, Metrics};
-use crate::momentum::{Fallback, Layout};
+use crate::momentum::{Condition, Fallback, Limit};
 use crate::record;
 use crate::scenario::Scenario;
 use crate::sim::audit::Audit;
@@ -40,12 +40,14 @@ pub enum Outcome {
 /// How the programs went.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProgramCounts {
+    /// Variables and rows of the program; none of a controller that solves none.
+    pub size: [usize; 2],
     /// Programs solved.
     pub solves: u64,
     /// Ticks whose program was infeasible as it stood.
     pub infeasible: u64,
-    /// The first of them: when [s], and which constraints contradicted each other, in words.
-    pub first_infeasible: Option<(f64, Vec<String>)>,
+    /// The first of them: when [s], and what contradicted each other, sorted by its words.
+    pub first_infeasible: Option<(f64, Vec<Condition>)>,
     /// Ticks that ended with a fallback.
     pub fallbacks: u64,
     /// Mean of the solver's iterations a tick.
@@ -83,8 +85,8 @@ pub struct Run {
     pub model: Model,
     /// The robot as the controller knows it; the same but for `simulation.model_error`.
     pub known: Model,
-    /// The program's layout, with the names of its limits.
-    pub layout: Layout,
+    /// The controller's limits, in the order of the log's columns of active ones.
+    pub limits: Vec<Limit>,
     /// How it ended.
     pub outcome: Outcome,
     /// Why it fell, in a sentence: that of the diagnosis; none where it did not.
@@ -162,7 +164,7 @@ pub struct Episode {
     program: ProgramCounts,
     /// Time and constraints of the first infeasible program.
     first_infeasible: Option<f64>,
-    conflict: Vec<Constraint>,
+    conflict: Vec<Condition>,
     iterations: u64,
     clock: Option<fn() -> f64>,
     tick_times: Vec<f64>,
@@ -440,18 +442,18 @@ impl Episode {
             None if self.tick < self.ticks => Outcome::Stopped,
             None => Outcome::Completed,
         };
-        let layout = self.controller.layout().expect("a momentum controller").clone();
+        let limits = self.controller.limits().to_vec();
         let diagnosis = match &outcome {
-            Outcome::Fell(fall) => Some(diagnosis::diagnose(&self.scenario, &self.model, fall, &self.log, &layout)),
+            Outcome::Fell(fall) => Some(diagnosis::diagnose(&self.scenario, &self.model, fall, &self.log, &limits)),
             Outcome::Completed | Outcome::Stopped => None,
         };
         let mut program = self.program;
+        program.size = self.controller.program().map_or([0; 2], |program| program.size);
         program.first_infeasible = self.first_infeasible.map(|time| {
-            let mut names: Vec<String> =
-                self.conflict.iter().map(|&constraint| layout.name(constraint).to_owned()).collect();
-            names.sort();
-            names.dedup();
-            (time, names)
+            let mut conflict = self.conflict;
+            conflict.sort_by_cached_key(|condition| condition.in_words(&self.model));
+            conflict.dedup();
+            (time, conflict)
         });
         program.iterations_mean = self.iterations as f64 / self.tick.max(1) as f64;
         Ok(Run {
@@ -461,7 +463,7 @@ impl Episode {
             timing: Timing { ticks_s: self.tick_times, wall_s },
             input_hash: self.input_hash,
             result_hash,
-            layout,
+            limits,
             scenario: self.scenario,
             model: self.model,
             known: self.known,

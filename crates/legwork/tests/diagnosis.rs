@@ -5,6 +5,7 @@ mod common;
 use legwork::diagnosis::{Diagnosis, FirstCause, What};
 use legwork::episode::{self, Outcome, Run};
 use legwork::log::Field;
+use legwork::qp::LimitKind;
 use legwork::scenario::Scenario;
 use legwork::{library, scenario_file};
 use legwork_rbd::Model;
@@ -297,10 +298,10 @@ fn a_push_on_uneven_ground_is_the_cause() {
 fn a_foot_that_is_unloaded_is_not_at_its_force_limit() {
     let run = common::run("push-walking", &["pushes.0.force_n=650", "pushes.0.start_s=5.1"]);
     assert!(!run.reason.expect("it falls").contains("force limit"));
-    let limits = run.layout.limits();
+    let limits = run.limits;
     let unloading = (0..run.log.len()).any(|i| {
         let active = limits.iter().zip(run.log.get(i, Field::ActiveLimit));
-        active.into_iter().any(|(limit, side)| limit.name.starts_with("force") && *side != 0.0)
+        active.into_iter().any(|(limit, side)| matches!(limit.kind, LimitKind::Force { .. }) && *side != 0.0)
     });
     assert!(unloading, "the program's bound is active");
 }
@@ -387,10 +388,10 @@ fn a_foot_in_the_air_was_said_to_be_at_its_force_limit() {
     let mut active = 0;
     for i in 0..run.log.len() {
         let touching = run.log.get(i, Field::Touching);
-        let limits = run.layout.limits().iter().zip(run.log.get(i, Field::ActiveLimit));
+        let limits = run.limits.iter().zip(run.log.get(i, Field::ActiveLimit));
         for (limit, _) in limits.filter(|(_, side)| **side != 0.0) {
             active += 1;
-            assert!(limit.contact.is_none_or(|contact| touching[contact] > 0.5), "{} at {i}", limit.name);
+            assert!(limit.kind.contact().is_none_or(|contact| touching[contact] > 0.5), "{:?} at {i}", limit.kind);
         }
     }
     assert!(active > 100, "{active}");

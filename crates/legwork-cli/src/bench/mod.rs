@@ -15,8 +15,8 @@ mod text;
 use std::process::ExitCode;
 
 use legwork::error::Error;
-use legwork_study::Base;
 use legwork_report::growth::{self as growth_page, Growth};
+use legwork_study::Base;
 use serde::Serialize;
 
 use crate::args::BenchArgs;

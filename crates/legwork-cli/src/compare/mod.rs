@@ -7,12 +7,12 @@ use std::process::ExitCode;
 
 use legwork::error::Error;
 use legwork::scenario::CommandedSpeed;
+use legwork_report::comparison::{self, Pushes, Report, Robot, Strike};
 use legwork_study::Base;
 use legwork_study::comparison::{Gait, PERSON};
 use legwork_study::parallel::with_threads;
 use legwork_study::robustness::{Cell, Plan, Robustness};
 use legwork_study::sizing::{Pair, Sizing, Use};
-use legwork_report::comparison::{self, Pushes, Report, Robot, Strike};
 
 use crate::args::CompareArgs;
 use crate::limits::{load, speed_torque};

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use legwork::error::Error;
-use legwork_study::sizing::{Demand, Use};
 use legwork_report::envelope::{self, Report};
+use legwork_study::sizing::{Demand, Use};
 use serde::Serialize;
 
 use crate::output::{Failure, PAGE, check_writable, write_page, write_text};

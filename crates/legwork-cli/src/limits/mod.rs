@@ -6,12 +6,12 @@ pub(crate) mod text;
 use std::process::ExitCode;
 
 use legwork::error::Error;
+use legwork_report::envelope::{Report, RobustnessMap};
 use legwork_study::limits::{self, Question};
 use legwork_study::parallel::with_threads;
 use legwork_study::robustness::{Plan, Robustness};
 use legwork_study::sizing::{Sizing, SpeedTorque, Use};
 use legwork_study::{Base, rollout};
-use legwork_report::envelope::{Report, RobustnessMap};
 
 use crate::args::{LimitsArgs, Part};
 use crate::long_work::{Jobs, conclude, interrupted, listen_for_interrupt};

@@ -13,7 +13,7 @@ use legwork_contract::terrain::Terrain;
 use legwork_qp::{Problem, Solver, Status};
 use legwork_rbd::{Dynamics, Model};
 
-use super::{Inputs, Layout, Relaxation, Solution, bounds, layout};
+use super::{Inputs, Layout, Limit, Relaxation, Solution, bounds, layout};
 use crate::controller::{Controller, Program};
 use crate::generator::{Generator, Observation, Reference};
 use crate::planner::MotionReferencePlanner;
@@ -116,7 +116,7 @@ impl MomentumController {
             stance: vec![false; model.contacts.len()],
             torque_before: vec![0.0; actuated],
             tick: Tick {
-                program: Program::with_room_for(layout.variables() + layout.rows()),
+                program: Program::new([layout.variables(), layout.rows()]),
                 solution: Solution::new(&layout, model),
                 active: vec![0; layout.limits().len()],
                 braking: vec![0.0; actuated],
@@ -239,7 +239,8 @@ impl MomentumController {
             tick.program.iterations += self.solver.iterations();
             if fallback == Fallback::None {
                 tick.program.status = status;
-                tick.program.conflict.extend(self.solver.conflict().map(|conflict| conflict.constraint));
+                let named = self.solver.conflict().filter_map(|conflict| self.layout.condition(conflict.constraint));
+                tick.program.conflict.extend(named);
             }
             if status == Status::Optimal && self.solver.x().iter().all(|value| value.is_finite()) {
                 super::read_solution(&self.layout, &inputs, self.solver.x(), &mut tick.solution);
@@ -258,7 +259,7 @@ impl MomentumController {
         for active in self.solver.working_set() {
             let Some(index) = self.layout.limit(active.constraint) else { continue };
             // Without contact the force is zero, which is no limit that is met.
-            if self.layout.limits()[index].contact.is_none_or(|contact| self.stance[contact]) {
+            if self.layout.limits()[index].kind.contact().is_none_or(|contact| self.stance[contact]) {
                 tick.active[index] = layout::side_sign(active.side);
             }
         }
@@ -313,8 +314,12 @@ impl Controller for MomentumController {
         Some(&self.tick.program)
     }
 
-    fn layout(&self) -> Option<&Layout> {
-        Some(&self.layout)
+    fn limits(&self) -> &[Limit] {
+        self.layout.limits()
+    }
+
+    fn active(&self) -> &[i8] {
+        &self.tick.active
     }
 
     fn channels(&self) -> Vec<Channel> {
@@ -329,7 +334,7 @@ impl Controller for MomentumController {
             slack.extend(names::vector(model, &format!("slack.feet.{foot}"), "m/s2"));
         }
         slack.extend::<names::Names>(angular("slack.torso"));
-        let limits = self.layout.limits().iter().map(|limit| (format!("limit.{}", limit.name.replace(' ', "_")), ""));
+        let limits = self.layout.limits().iter().map(|limit| (limit.column(model), ""));
         [
             Channel::all(Field::Grf, names::contacts(model, "grf", "N")),
             Channel::all(Field::MomentumRateGoal, names::momentum(model, "momentum_rate_goal")),

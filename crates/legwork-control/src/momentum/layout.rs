@@ -9,6 +9,8 @@ use crate::settings::{QpForm, Tracking, TrackingSettings};
 use legwork_contract::contact::friction_rows;
 use legwork_contract::feet::FootRows;
 
+use super::limit::{Condition, Limit, LimitKind};
+
 /// The places of variables and rows in the program. Ranges that a form does not have are empty; in the direct form a
 /// task has rows only where it is an equality.
 #[derive(Clone, Debug)]
@@ -47,16 +49,6 @@ pub struct Layout {
     limit_of: Vec<Option<usize>>,
     dimension: usize,
     friction_rows_per_contact: usize,
-}
-
-/// A limit of the program that can be active.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Limit {
-    /// Its name, as in `torque right_knee`.
-    pub name: String,
-    /// The contact whose force it limits, if it limits one.
-    pub contact: Option<usize>,
-    constraint: Constraint,
 }
 
 impl Layout {
@@ -102,7 +94,7 @@ impl Layout {
             dimension,
             friction_rows_per_contact: friction_rows(model),
         };
-        layout.limits = layout.all_limits(model);
+        layout.limits = layout.all_limits();
         layout.limit_of = vec![None; layout.rows() + layout.variables()];
         for index in 0..layout.limits.len() {
             let place = layout.place(layout.limits[index].constraint);
@@ -148,70 +140,61 @@ impl Layout {
         }
     }
 
-    /// What a constraint that the solver names means, as in `torque right_knee` or `task feet`.
-    pub fn name(&self, constraint: Constraint) -> &str {
+    /// What a constraint that the solver names demands; none where it demands nothing (the base's acceleration is free).
+    pub fn condition(&self, constraint: Constraint) -> Option<Condition> {
         if let Some(limit) = self.limit(constraint) {
-            return &self.limits[limit].name;
+            return Some(Condition::Limit(self.limits[limit].kind));
         }
-        let (groups, index) = match constraint {
+        let (groups, index): (&[_], usize) = match constraint {
             Constraint::Row(row) => (
-                [
-                    (&self.dynamics_rows, "equation of motion"),
-                    (&self.momentum_rows, "task momentum"),
-                    (&self.feet_rows, "task feet"),
-                    (&self.torso_rows, "task torso"),
-                    (&self.complementarity_rows, "no contact"),
+                &[
+                    (&self.momentum_rows, Condition::Task("momentum")),
+                    (&self.feet_rows, Condition::Task("feet")),
+                    (&self.torso_rows, Condition::Task("torso")),
+                    (&self.dynamics_rows, Condition::Motion),
+                    (&self.complementarity_rows, Condition::NoContact),
                 ],
                 row,
             ),
             Constraint::Bound(variable) => (
-                [
-                    (&self.qdd, "acceleration of the base"),
-                    (&self.rho, "no contact"),
-                    (&self.s_m, "task momentum"),
-                    (&self.s_f, "task feet"),
-                    (&self.s_a, "task torso"),
+                &[
+                    (&self.s_m, Condition::Task("momentum")),
+                    (&self.s_f, Condition::Task("feet")),
+                    (&self.s_a, Condition::Task("torso")),
                 ],
                 variable,
             ),
         };
-        groups.iter().find(|(range, _)| range.contains(&index)).map_or("", |(_, name)| name)
+        groups.iter().find(|(range, _)| range.contains(&index)).map(|(_, condition)| *condition)
     }
 
-    fn all_limits(&self, model: &Model) -> Vec<Limit> {
-        let mut limits = Vec::new();
-        let mut add = |name: String, contact, constraint| limits.push(Limit { name, contact, constraint });
-        for (index, &dof) in self.actuated.iter().enumerate() {
+    fn all_limits(&self) -> Vec<Limit> {
+        let (forces, edges) = (self.dimension, self.friction_rows_per_contact);
+        let contacts = self.rho.len() / forces;
+        let limit = |kind, constraint| Limit { kind, constraint };
+        let torques = self.actuated.iter().enumerate().map(|(index, &dof)| {
             let constraint = match self.form {
                 QpForm::Direct => Constraint::Row(self.dynamics_rows.start + dof),
                 QpForm::Slack => Constraint::Bound(self.tau.start + index),
             };
-            add(format!("torque {}", model.dofs[dof].name), None, constraint);
-        }
-        for (index, contact) in model.contacts.iter().enumerate() {
-            for row in 0..self.dimension {
-                let axis = axis_name(model, row);
-                let constraint = Constraint::Bound(self.rho.start + index * self.dimension + row);
-                add(format!("force {} {axis}", contact.name), Some(index), constraint);
-            }
-        }
-        for (index, contact) in model.contacts.iter().enumerate() {
-            for row in 0..self.friction_rows_per_contact {
-                let what = if row == 0 { "unloading" } else { "friction" };
-                let constraint =
-                    Constraint::Row(self.friction_rows.start + index * self.friction_rows_per_contact + row);
-                let side = match (row, model.is_planar()) {
-                    (0, _) => String::new(),
-                    (_, true) => format!(" {}", ["+", "-"][row - 1]),
-                    (_, false) => format!(" {}", ["+x", "-x", "+y", "-y"][row - 1]),
-                };
-                add(format!("{what} {}{side}", contact.name), Some(index), constraint);
-            }
-        }
-        for &dof in &self.actuated {
-            add(format!("acceleration {}", model.dofs[dof].name), None, Constraint::Bound(self.qdd.start + dof));
-        }
-        limits
+            limit(LimitKind::Torque { dof }, constraint)
+        });
+        let forces = (0..contacts * forces).map(|k| {
+            let kind = LimitKind::Force { contact: k / forces, axis: k % forces };
+            limit(kind, Constraint::Bound(self.rho.start + k))
+        });
+        let friction = (0..contacts * edges).map(|k| {
+            let kind = match k % edges {
+                0 => LimitKind::Unloading { contact: k / edges },
+                row => LimitKind::Friction { contact: k / edges, edge: row - 1 },
+            };
+            limit(kind, Constraint::Row(self.friction_rows.start + k))
+        });
+        let accelerations = self
+            .actuated
+            .iter()
+            .map(|&dof| limit(LimitKind::Acceleration { dof }, Constraint::Bound(self.qdd.start + dof)));
+        torques.chain(forces).chain(friction).chain(accelerations).collect()
     }
 }
 

@@ -17,6 +17,7 @@ pub mod constraints;
 pub mod controller;
 pub mod cost;
 pub mod layout;
+pub mod limit;
 mod solution;
 
 use legwork_qp::Problem;
@@ -25,9 +26,10 @@ use legwork_rbd::{Dynamics, Model};
 use crate::planner::MotionGoal;
 use crate::settings::{Limits, TrackingSettings, Weights};
 pub use controller::{Fallback, MomentumController, Part, Tick};
-pub use layout::{Layout, Limit};
+pub use layout::Layout;
 use legwork_contract::contact::Surface;
 use legwork_contract::feet::{FeetMotion, Footing};
+pub use limit::{Condition, Limit, LimitKind};
 pub use solution::{Slack, Solution, read_solution};
 
 /// What the program is built from in one tick.

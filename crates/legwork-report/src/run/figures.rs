@@ -115,7 +115,9 @@ fn poses(run: &Run) -> String {
 /// What a generator does with what the figure of the tracking shows.
 fn tracking(generator: GeneratorKind) -> &'static str {
     match generator {
-        GeneratorKind::Steps => "A step is taken when the XcoM leaves the base of support by more than the delay allows.",
+        GeneratorKind::Steps => {
+            "A step is taken when the XcoM leaves the base of support by more than the delay allows."
+        }
         GeneratorKind::Stance => {
             "The feet stay where they stand or come down where they were lifted; the centre of mass follows its plan."
         }
@@ -240,20 +242,20 @@ impl<'a> Charts<'a> {
     /// A part for each pair of right and left joints.
     fn torques(&self) -> Vec<Part> {
         let (settings, model) = (&self.run.scenario.controller.limits, &self.run.model);
-        let mut joints: Vec<(String, Vec<usize>)> = Vec::new();
-        for (index, &dof) in self.run.layout.actuated.iter().enumerate() {
+        let mut joints: Vec<(String, Vec<[usize; 2]>)> = Vec::new();
+        for (index, dof) in model.actuated().enumerate() {
             let name = plain(without_side(&model.dofs[dof].name));
             match joints.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, members)) => members.push(index),
-                None => joints.push((name, vec![index])),
+                Some((_, members)) => members.push([index, dof]),
+                None => joints.push((name, vec![[index, dof]])),
             }
         }
         let height = if joints.len() > 3 { 120.0 } else { 170.0 };
         let parts = joints.into_iter().map(|(name, members)| {
             let mut layers = Vec::new();
             let mut bounds: Vec<f64> = Vec::new();
-            for index in members {
-                let dof = &model.dofs[self.run.layout.actuated[index]];
+            for [index, dof] in members {
+                let dof = &model.dofs[dof];
                 let (class, limit) = (side(&dof.name), settings.torque_nm.min(dof.effort_limit));
                 let label = if class.is_empty() { "torque" } else { class };
                 let log = &self.run.log;

@@ -4,6 +4,7 @@ use legwork::control::Fallback;
 use legwork::episode::Run;
 use legwork::feet::FootRows;
 use legwork::log::Field;
+use legwork::momentum::{Limit, LimitKind};
 
 use super::figures::{dashed, foot_name, line, part, plain, side, spans};
 use crate::charts::axis::Axis;
@@ -40,36 +41,37 @@ pub(super) fn parts(run: &Run, times: &[f64]) -> Vec<Part> {
 pub(super) fn active(run: &Run, index: usize) -> impl Iterator<Item = (usize, i8)> + '_ {
     let d = run.model.linear_axes().len();
     let forces = run.log.get(index, Field::Grf);
-    let idle = move |name: &str| {
-        run.model.contacts.iter().zip(forces.chunks_exact(d)).any(|(contact, force)| {
-            let own = name.split_once(' ').is_some_and(|(_, rest)| {
-                rest.strip_prefix(contact.name.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(' '))
-            });
-            own && force.iter().all(|component| component.abs() < 1e-6)
-        })
+    let idle = move |limit: &Limit| {
+        limit
+            .kind
+            .contact()
+            .is_some_and(|contact| forces[contact * d..].iter().take(d).all(|component| component.abs() < 1e-6))
     };
     let sides = run.log.get(index, Field::ActiveLimit).iter().enumerate();
     let sides = sides.filter(|(_, side)| **side != 0.0).map(|(limit, side)| (limit, *side as i8));
-    sides.filter(move |(limit, _)| !idle(&run.layout.limits()[*limit].name))
+    sides.filter(move |(limit, _)| !idle(&run.limits[*limit]))
 }
 
 /// A row for each limit that was ever active, then for each fallback that was ever used.
 fn rows(run: &Run, times: &[f64]) -> Vec<Row> {
     let period = run.scenario.controller.period_s;
-    let mut sides = vec![vec![0_i8; times.len()]; run.layout.limits().len()];
+    let mut sides = vec![vec![0_i8; times.len()]; run.limits.len()];
     for index in 0..times.len() {
         active(run, index).for_each(|(limit, side)| sides[limit][index] = side);
     }
     let share = |ticks: usize| format!("{:.1} %", 100.0 * ticks as f64 / times.len().max(1) as f64);
     let mut rows = Vec::new();
-    for (limit, sides) in run.layout.limits().iter().zip(&sides) {
+    for (limit, sides) in run.limits.iter().zip(&sides) {
         let ticks = sides.iter().filter(|side| **side != 0).count();
         if ticks > 0 {
-            let class = ["torque", "acceleration", "friction"].into_iter().find(|class| limit.name.starts_with(class));
+            let class = match limit.kind {
+                LimitKind::Unloading { .. } => "force",
+                kind => kind.quantity(),
+            };
             let at = |side: i8| spans(times, period, |index| sides[index] == side).into_iter().map(move |s| (s, side));
             let spans = at(-1).chain(at(1)).collect();
-            let label = plain(&limit.name).replace(" -", " \u{2212}");
-            rows.push(Row { label, note: share(ticks), spans, class: class.unwrap_or("force") });
+            let label = plain(&limit.in_words(&run.model)).replace(" -", " \u{2212}");
+            rows.push(Row { label, note: share(ticks), spans, class });
         }
     }
     for fallback in Fallback::ALL.into_iter().filter(|&fallback| fallback != Fallback::None) {

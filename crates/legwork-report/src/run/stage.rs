@@ -175,7 +175,7 @@ fn state(run: &Run, index: usize, states: &mut Vec<String>) -> usize {
     let foot = run.model.feet.get(swing.max(0.0) as usize).filter(|_| swing >= 0.0);
     let mut text = foot.map_or("both feet stand".to_owned(), |foot| format!("{} swings", plain(foot)));
     let limits: Vec<String> =
-        limits::active(run, index).map(|(limit, _)| plain(&run.layout.limits()[limit].name)).collect();
+        limits::active(run, index).map(|(limit, _)| plain(&run.limits[limit].in_words(&run.model))).collect();
     if !limits.is_empty() {
         text += &format!("; at its limit: {}", limits.join(", "));
     }

@@ -124,10 +124,11 @@ pub(super) fn audit(run: &Run) -> Markup {
 
 /// How the quadratic programs went.
 pub(super) fn program(run: &Run) -> Markup {
-    let (program, layout) = (&run.program, &run.layout);
+    let program = &run.program;
+    let [variables, rows] = program.size;
     definitions(&[
-        ("variables", layout.variables().to_string()),
-        ("rows", layout.rows().to_string()),
+        ("variables", variables.to_string()),
+        ("rows", rows.to_string()),
         ("programs solved", program.solves.to_string()),
         ("ticks without a solution", program.infeasible.to_string()),
         ("ticks with a fallback", program.fallbacks.to_string()),

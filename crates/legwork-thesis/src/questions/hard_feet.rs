@@ -100,8 +100,8 @@ fn sentence(limit: &str, hard: &[&TrialResult]) -> String {
         format!("{} ({} ticks, first {place})", result.trial.scenario, program.infeasible)
     };
     let runs: Vec<String> = infeasible.iter().map(when).collect();
-    let mut limits: Vec<String> =
-        infeasible.iter().flat_map(|result| &result.program.conflict).filter_map(kind).collect();
+    let limits = infeasible.iter().flat_map(|result| &result.program.limited);
+    let mut limits: Vec<String> = limits.map(|limit| (*limit).to_owned()).collect();
     limits.sort();
     limits.dedup();
     format!(
@@ -112,11 +112,4 @@ fn sentence(limit: &str, hard: &[&TrialResult]) -> String {
         list(&runs),
         list(&limits)
     )
-}
-
-/// The kind of limit that a constraint is; none of the equations.
-fn kind(constraint: &String) -> Option<String> {
-    let is_equation =
-        constraint.starts_with("task") || constraint == "equation of motion" || constraint == "no contact";
-    (!is_equation).then(|| constraint.split(' ').next().unwrap_or_default().to_owned())
 }

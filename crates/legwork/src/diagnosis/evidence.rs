@@ -9,8 +9,7 @@ use super::reach::Steps;
 use crate::feet::FootRows;
 use crate::generator::xcom;
 use crate::log::{Field, Log};
-use crate::momentum::Fallback;
-use crate::momentum::Layout;
+use crate::momentum::{Fallback, Limit, LimitKind};
 use crate::scenario::Scenario;
 use crate::terrain::Terrain;
 
@@ -52,10 +51,10 @@ pub(super) struct Evidence<'a> {
 }
 
 impl<'a> Evidence<'a> {
-    pub(super) fn new(scenario: &'a Scenario, model: &'a Model, log: &'a Log, layout: &Layout) -> Self {
+    pub(super) fn new(scenario: &'a Scenario, model: &'a Model, log: &'a Log, limits: &[Limit]) -> Self {
         let axes = model.linear_axes().len();
         let (ground, believed) = (scenario.terrain(model), scenario.believed_terrain(model));
-        let (stretches, saturations) = (stretches(log), saturations(model, layout));
+        let (stretches, saturations) = (stretches(log), saturations(model, limits));
         let (feet, steps) = (FootRows::of(model), Steps::of(scenario, model));
         Self {
             scenario,
@@ -68,7 +67,7 @@ impl<'a> Evidence<'a> {
             believed,
             axes,
             feet,
-            actuated: layout.actuated.clone(),
+            actuated: model.actuated().collect(),
         }
     }
 
@@ -241,26 +240,26 @@ fn stretches(log: &Log) -> Vec<Stretch> {
 }
 
 /// The limits of the program by cause; an unloaded foot is how a step looks, not a limit that is met.
-fn saturations(model: &Model, layout: &Layout) -> Vec<Saturation> {
-    let of = |cause: FirstCause, index: usize, begin: &str| {
-        let named = |limit: usize| {
-            let name = &layout.limits()[limit].name;
-            name == begin || name.starts_with(&format!("{begin} "))
-        };
-        Saturation { cause, limits: (0..layout.limits().len()).filter(|&limit| named(limit)).collect(), index }
+fn saturations(model: &Model, limits: &[Limit]) -> Vec<Saturation> {
+    let of = |cause: FirstCause, index: usize, own: &dyn Fn(LimitKind) -> bool| Saturation {
+        cause,
+        limits: (0..limits.len()).filter(|&limit| own(limits[limit].kind)).collect(),
+        index,
     };
     let mut all = Vec::new();
-    for (index, &dof) in layout.actuated.iter().enumerate() {
+    for (index, dof) in model.actuated().enumerate() {
         let joint = model.dofs[dof].name.clone();
-        let (torque, acceleration) = (format!("torque {joint}"), format!("acceleration {joint}"));
+        let torque = |kind| kind == LimitKind::Torque { dof };
+        let acceleration = |kind| kind == LimitKind::Acceleration { dof };
         all.push(of(FirstCause::TorqueLimit { joint: joint.clone() }, index, &torque));
         all.push(of(FirstCause::TorqueRate { joint: joint.clone() }, index, &torque));
         all.push(of(FirstCause::JointLimit { joint: joint.clone() }, index, &acceleration));
         all.push(of(FirstCause::AccelerationLimit { joint }, index, &acceleration));
     }
-    for (index, contact) in model.contacts.iter().enumerate() {
-        let foot = contact.name.clone();
-        let (force, friction) = (format!("force {foot}"), format!("friction {foot}"));
+    for (index, point) in model.contacts.iter().enumerate() {
+        let foot = point.name.clone();
+        let force = |kind| matches!(kind, LimitKind::Force { contact, .. } if contact == index);
+        let friction = |kind| matches!(kind, LimitKind::Friction { contact, .. } if contact == index);
         all.push(of(FirstCause::ForceLimit { foot: foot.clone() }, index, &force));
         all.push(of(FirstCause::Friction { foot }, index, &friction));
     }
