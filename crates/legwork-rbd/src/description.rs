@@ -2,10 +2,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::base::Base;
 use crate::error::ModelError;
-use crate::joint::{Base, Joint, Placement};
-use crate::model::Model;
+use crate::joints::Joint;
+use crate::model::{Dof, Model};
 use crate::oddities::oddities;
+use crate::spatial::Placement;
 
 /// What a file says, in SI units, before any check across entries.
 pub(crate) struct Description {
@@ -38,12 +40,8 @@ pub(crate) struct JointDescription {
     pub(crate) name: String,
     pub(crate) kind: Joint,
     pub(crate) placement: Placement,
-    pub(crate) lower: f64,
-    pub(crate) upper: f64,
-    pub(crate) velocity_limit: f64,
-    pub(crate) effort_limit: f64,
-    pub(crate) damping: f64,
-    pub(crate) actuated: bool,
+    /// Limits, damping and motor of its coordinate.
+    pub(crate) dof: Dof,
     pub(crate) line: Option<usize>,
 }
 
@@ -110,17 +108,6 @@ impl Description {
 impl JointDescription {
     /// A joint without limits, damping or motor.
     pub(crate) fn new(name: String, kind: Joint, placement: Placement) -> Self {
-        Self {
-            name,
-            kind,
-            placement,
-            lower: f64::NEG_INFINITY,
-            upper: f64::INFINITY,
-            velocity_limit: f64::INFINITY,
-            effort_limit: f64::INFINITY,
-            damping: 0.0,
-            actuated: false,
-            line: None,
-        }
+        Self { name, kind, placement, dof: Dof::free(), line: None }
     }
 }

@@ -2,9 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use crate::joint::{Joint, Placement};
 use crate::model::Model;
-use crate::spatial::{Force, Inertia, Motion};
+use crate::spatial::{Force, Inertia, Motion, Placement};
 
 /// The end of a chain of velocity coordinates.
 pub(crate) const NONE: usize = usize::MAX;
@@ -358,7 +357,7 @@ fn planar_chain(model: &Model, body: usize, parent_dof: &[usize], last_dof: &[us
     let mut j = last_dof[body];
     while j != NONE {
         let mover = &model.bodies[model.dofs[j].body];
-        if let Joint::Revolute { axis } = &mover.joint {
+        if let Some(axis) = mover.joint.axis().filter(|_| model.dofs[j].rotational) {
             let axis_world = rotations[model.dofs[j].body] * axis.as_ref();
             chain.push((mover.q_index, -axis_world.y.signum()));
         }

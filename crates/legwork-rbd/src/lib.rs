@@ -45,13 +45,14 @@
 #![allow(non_snake_case)]
 
 mod assemble;
+mod base;
 mod bias;
 mod centroidal;
 mod check;
 mod description;
 mod dynamics;
 mod error;
-mod joint;
+mod joints;
 mod kinematics;
 mod mass_matrix;
 mod model;
@@ -60,12 +61,14 @@ mod oddities;
 mod read;
 mod read_toml;
 mod spatial;
+mod table;
 mod urdf;
 mod urdf_text;
 mod write;
 
+pub use base::Base;
 pub use dynamics::Dynamics;
 pub use error::ModelError;
-pub use joint::{Base, Joint, Placement};
+pub use joints::{Fixed, Floating, Joint, Prismatic, Revolute};
 pub use model::{Body, ContactPoint, Dof, Model};
-pub use spatial::{Force, Inertia, Motion};
+pub use spatial::{Force, Inertia, Motion, Placement};

@@ -5,8 +5,8 @@ use std::path::Path;
 use nalgebra::{Unit, Vector3};
 use serde::de::DeserializeOwned;
 
+use crate::base::Base;
 use crate::error::ModelError;
-use crate::joint::Base;
 use crate::model::Model;
 use crate::read_toml::read_toml;
 use crate::urdf::read_urdf;

@@ -5,13 +5,15 @@ use serde::Deserialize;
 use toml::Spanned;
 use urdf_rs::JointType;
 
+use crate::base::Base;
 use crate::description::{BodyDescription, Description, JointDescription};
 use crate::error::ModelError;
-use crate::joint::{Base, Joint, Placement, rotation_from_rpy};
+use crate::joints::{Fixed, Joint, Kind};
 use crate::model::Model;
 use crate::model_file::{ContactEntry, GRAVITY, PitchLimits};
 use crate::read::{Source, unit_axis};
 use crate::read_toml::{contacts, pitch_limits};
+use crate::spatial::{Placement, rotation_from_rpy};
 use crate::urdf_text::{element_line, parse};
 
 /// `robot.legwork.toml` beside `robot.urdf`.
@@ -74,7 +76,7 @@ fn bodies(
     let mut bodies = Vec::with_capacity(robot.links.len());
     let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child.link == name);
     for link in robot.links.iter().filter(|link| !is_child(&link.name)) {
-        let joint = JointDescription::new("base".to_owned(), Joint::Fixed, Placement::identity());
+        let joint = JointDescription::new("base".to_owned(), Joint::Fixed(Fixed), Placement::identity());
         bodies.push(body(link, None, joint, text, source)?);
     }
     for joint in &robot.joints {
@@ -165,31 +167,31 @@ fn describe_joint(
         return Err(source.invalid(line, subject, problem));
     }
     let axis = || unit_axis(source, line, &subject, *joint.axis.xyz);
-    let kind = match joint.joint_type {
-        JointType::Fixed => Joint::Fixed,
-        JointType::Revolute | JointType::Continuous => Joint::Revolute { axis: axis()? },
-        JointType::Prismatic => Joint::Prismatic { axis: axis()? },
-        JointType::Floating | JointType::Planar | JointType::Spherical => {
-            let kind = format!("{:?}", joint.joint_type).to_lowercase();
-            let problem = format!(
-                "is of type {kind}, which is not supported within the tree; valid are fixed, revolute, continuous, \
-                 prismatic (what joins the root link to the world is the model's base)"
-            );
-            return Err(source.invalid(line, subject, problem));
-        }
+    let known = Kind::ALL.iter().find(|kind| kind.urdf.contains(&joint.joint_type));
+    let Some(read) = known.and_then(|kind| kind.read) else {
+        let kind = format!("{:?}", joint.joint_type).to_lowercase();
+        let valid: Vec<String> =
+            Kind::ALL.iter().flat_map(|kind| kind.urdf).map(|kind| format!("{kind:?}").to_lowercase()).collect();
+        let problem = format!(
+            "is of type {kind}, which is not supported within the tree; valid are {} (what joins the root link to the \
+             world is the model's base)",
+            valid.join(", ")
+        );
+        return Err(source.invalid(line, subject, problem));
     };
+    let kind = read(&axis)?;
     let rpy = source.vector(line, &subject, "rpy of the origin", *joint.origin.rpy)?;
     let translation = source.vector(line, &subject, "xyz of the origin", *joint.origin.xyz)?;
     let placement = Placement { rotation: rotation_from_rpy(rpy.into()), translation };
     let mut described = JointDescription::new(joint.name.clone(), kind, placement);
     described.line = line;
-    described.actuated = kind != Joint::Fixed;
-    if kind == Joint::Fixed {
+    if kind.nv() == 0 {
         return Ok(described);
     }
+    described.dof.actuated = true;
     limits(joint, &mut described, source, warnings)?;
     if let Some(dynamics) = &joint.dynamics {
-        described.damping = source.finite(line, &subject, "damping", dynamics.damping)?;
+        described.dof.damping = source.finite(line, &subject, "damping", dynamics.damping)?;
         if dynamics.friction != 0.0 {
             warnings.push(format!("{subject}: Coulomb friction {} is ignored", dynamics.friction));
         }
@@ -217,14 +219,14 @@ fn limits(
         if limit.lower == 0.0 && limit.upper == 0.0 {
             warnings.push(format!("{subject} has no position limits"));
         } else {
-            (described.lower, described.upper) = (limit.lower, limit.upper);
+            (described.dof.lower, described.dof.upper) = (limit.lower, limit.upper);
         }
     }
     if limit.effort != 0.0 {
-        described.effort_limit = limit.effort;
+        described.dof.effort_limit = limit.effort;
     }
     if limit.velocity != 0.0 {
-        described.velocity_limit = limit.velocity;
+        described.dof.velocity_limit = limit.velocity;
     }
     Ok(())
 }
@@ -239,13 +241,13 @@ fn mark_actuated(bodies: &mut [BodyDescription], side: &SideFile, source: &Sourc
         }
     };
     let moving: Vec<String> =
-        bodies.iter().filter(|body| body.joint.kind != Joint::Fixed).map(|body| body.joint.name.clone()).collect();
+        bodies.iter().filter(|body| body.joint.kind.nv() > 0).map(|body| body.joint.name.clone()).collect();
     if let Some(unknown) = list.iter().find(|name| !moving.contains(name)) {
         let problem = format!("unknown joint {unknown:?}; valid are {}", moving.join(", "));
         return Err(source.invalid(None, key, problem));
     }
-    for body in bodies.iter_mut().filter(|body| body.joint.kind != Joint::Fixed) {
-        body.joint.actuated = list.contains(&body.joint.name) == listed_is;
+    for body in bodies.iter_mut().filter(|body| body.joint.kind.nv() > 0) {
+        body.joint.dof.actuated = list.contains(&body.joint.name) == listed_is;
     }
     Ok(())
 }

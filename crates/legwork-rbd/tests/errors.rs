@@ -205,6 +205,15 @@ fn broken_toml() {
         &["robot.toml:3: unknown variant `flying`", "`fixed`, `planar`", "`floating`"],
     );
     says(&toml_error("base = \"fixed\"", ""), &["missing field `base`"]);
+    says(
+        &toml_error("damping_nmspr = 0.1", "dampin_nmspr = 0.1"),
+        &["robot.toml:22: unknown field `dampin_nmspr`, expected one of", "damping_nmspr"],
+    );
+    says(
+        &toml_error("damping_nmspr = 0.1", "damping_nmspr = \"0.1\""),
+        &["robot.toml:22: damping_nmspr: invalid type"],
+    );
+    says(&toml_error("name = \"elbow\"", ""), &["robot.toml:30: missing field `name`"]);
     says(&toml_error("mass_kg = 1.3", "mass_kg = \"1.3\""), &["robot.toml:15: invalid type: string"]);
     says(&toml_error("com_m = [0.0, 0.0, -0.25]", "com_m = [0.0, -0.25]"), &["robot.toml:16: invalid length 2"]);
     let no_bodies = "name = \"r\"\nbase = \"fixed\"\nbodies = []";

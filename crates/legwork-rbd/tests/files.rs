@@ -3,7 +3,7 @@
 mod common;
 
 use common::assert_close;
-use legwork_rbd::{Base, Dynamics, Joint, Model};
+use legwork_rbd::{Base, Dynamics, Fixed, Joint, Model};
 use proptest::prelude::*;
 
 const PENDULUM_TOML: &str = include_str!("data/double_pendulum.toml");
@@ -231,7 +231,7 @@ fn urdf_defaults_and_warnings() {
     );
     let biped = common::biped18();
     assert_eq!(biped.warnings(), ["body \"right_sole\" has no mass", "body \"left_sole\" has no mass"]);
-    assert_eq!(biped.bodies[biped.body_index("trunk").unwrap()].joint, Joint::Fixed);
+    assert_eq!(biped.bodies[biped.body_index("trunk").unwrap()].joint, Joint::Fixed(Fixed));
     let knee = &biped.dofs[biped.dof_index("right_kfe").unwrap()];
     assert_eq!((knee.lower, knee.upper, knee.effort_limit, knee.velocity_limit), (0.0, 2.3, 220.0, 12.0));
 }

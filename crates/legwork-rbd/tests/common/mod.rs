@@ -5,7 +5,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use legwork_rbd::{Base, Joint, Model, Placement};
+use legwork_rbd::{Base, Joint, Model, Placement, Prismatic, Revolute};
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Quaternion, Rotation3, UnitQuaternion, Vector3, Vector6};
 
 pub fn crate_path(relative: &str) -> PathBuf {
@@ -163,16 +163,16 @@ pub fn rnea(model: &Model, q: &[f64], v: &[f64], a: &[f64], gravity: f64) -> DVe
 fn joint_calculation(joint: &Joint, q: &[f64]) -> (Placement, DMatrix<f64>) {
     let mut pose = Placement::identity();
     match joint {
-        Joint::Fixed => (pose, DMatrix::zeros(6, 0)),
-        Joint::Revolute { axis } => {
+        Joint::Fixed(_) => (pose, DMatrix::zeros(6, 0)),
+        Joint::Revolute(Revolute { axis }) => {
             pose.rotation = Rotation3::from_axis_angle(axis, q[0]).into_inner();
             (pose, DMatrix::from_column_slice(6, 1, &[axis.x, axis.y, axis.z, 0.0, 0.0, 0.0]))
         }
-        Joint::Prismatic { axis } => {
+        Joint::Prismatic(Prismatic { axis }) => {
             pose.translation = axis.into_inner() * q[0];
             (pose, DMatrix::from_column_slice(6, 1, &[0.0, 0.0, 0.0, axis.x, axis.y, axis.z]))
         }
-        Joint::Floating => {
+        Joint::Floating(_) => {
             let quaternion = UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]));
             pose.rotation = quaternion.to_rotation_matrix().into_inner();
             pose.translation = Vector3::new(q[4], q[5], q[6]);
