@@ -1,9 +1,10 @@
-//! Puts a [`Model`] together: the base's own joints, indices, contact points, torso.
+//! Puts a [`Model`] together: the base's own joints, indices, contact points, torso, frames.
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::description::{BodyDescription, Description, JointDescription};
+use crate::description::{BodyDescription, Description, FrameDescription, JointDescription};
 use crate::error::ModelError;
+use crate::frame::Frame;
 use crate::model::{Body, ContactPoint, Dof, Model};
 use crate::spatial::Placement;
 
@@ -16,6 +17,7 @@ impl Description {
             bodies: Vec::new(),
             dofs: Vec::new(),
             contacts: Vec::new(),
+            frames: Vec::new(),
             feet: Vec::new(),
             torso: 0,
             warnings: Vec::new(),
@@ -67,11 +69,7 @@ impl Description {
                 let problem = "the name is given twice; contact names must differ".to_owned();
                 return Err(self.invalid_beside(contact.line, subject, problem));
             }
-            let body = self.bodies.iter().any(|body| body.name == contact.body);
-            let Some(body) = model.body_index(&contact.body).filter(|_| body) else {
-                let problem = format!("unknown body {:?}; {}", contact.body, self.known_bodies());
-                return Err(self.invalid_beside(contact.line, subject, problem));
-            };
+            let body = self.body(model, &contact.body, contact.line, &subject)?;
             let foot = model.feet.iter().position(|foot| *foot == contact.foot);
             if foot.is_none() && self.feet.is_some() {
                 let problem = format!("unknown foot {:?}; valid are {}", contact.foot, model.feet.join(", "));
@@ -93,15 +91,34 @@ impl Description {
     pub(crate) fn add_torso(&self, model: &mut Model) -> Result<(), ModelError> {
         model.torso = match &self.torso {
             None => model.root(),
-            Some(name) => {
-                let known = self.bodies.iter().any(|body| body.name == *name);
-                model.body_index(name).filter(|_| known).ok_or_else(|| {
-                    let problem = format!("unknown body {name:?}; {}", self.known_bodies());
-                    self.invalid_beside(None, "torso", problem)
-                })?
-            }
+            Some(name) => self.body(model, name, None, "torso")?,
         };
         Ok(())
+    }
+
+    pub(crate) fn add_frames(&self, model: &mut Model) -> Result<(), ModelError> {
+        for FrameDescription { name, body, placement, line } in &self.frames {
+            let subject = format!("frame {name:?}");
+            if name.trim().is_empty() {
+                return Err(self.invalid_beside(*line, "a frame's name", "is empty".to_owned()));
+            }
+            if model.frame(name).is_some() {
+                let problem = "the name is given twice; names of frames and bodies must differ".to_owned();
+                return Err(self.invalid_beside(*line, subject, problem));
+            }
+            let body = self.body(model, body, *line, &subject)?;
+            model.frames.push(Frame { name: name.clone(), body, placement: *placement });
+        }
+        Ok(())
+    }
+
+    /// The index of a body that the file names.
+    fn body(&self, model: &Model, name: &str, line: Option<usize>, subject: &str) -> Result<usize, ModelError> {
+        let known = self.bodies.iter().any(|body| body.name == name);
+        model.body_index(name).filter(|_| known).ok_or_else(|| {
+            let problem = format!("unknown body {name:?}; {}", self.known_bodies());
+            self.invalid_beside(line, subject, problem)
+        })
     }
 }
 

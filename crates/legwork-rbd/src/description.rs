@@ -21,8 +21,9 @@ pub(crate) struct Description {
     pub(crate) feet: Option<Vec<String>>,
     pub(crate) bodies: Vec<BodyDescription>,
     pub(crate) contacts: Vec<ContactDescription>,
+    pub(crate) frames: Vec<FrameDescription>,
     pub(crate) warnings: Vec<String>,
-    /// Where torso, contacts and feet come from: the file itself, or the one beside a URDF.
+    /// Where torso, contacts, feet and frames come from: the file itself, or the one beside a URDF.
     pub(crate) side_file: String,
 }
 
@@ -50,6 +51,13 @@ pub(crate) struct ContactDescription {
     pub(crate) body: String,
     pub(crate) position: Vector3<f64>,
     pub(crate) foot: String,
+    pub(crate) line: Option<usize>,
+}
+
+pub(crate) struct FrameDescription {
+    pub(crate) name: String,
+    pub(crate) body: String,
+    pub(crate) placement: Placement,
     pub(crate) line: Option<usize>,
 }
 
@@ -87,6 +95,7 @@ impl Description {
         self.check_motion(&model)?;
         self.add_contacts(&mut model)?;
         self.add_torso(&mut model)?;
+        self.add_frames(&mut model)?;
         let mut warnings = std::mem::take(&mut self.warnings);
         warnings.extend(oddities(&model));
         model.warnings = warnings;

@@ -70,7 +70,7 @@ pub struct Dynamics {
     /// For each velocity coordinate the next one toward the base.
     pub(crate) parent_dof: Vec<usize>,
     /// For each body the outermost velocity coordinate that moves it.
-    last_dof: Vec<usize>,
+    pub(crate) last_dof: Vec<usize>,
     /// The torso's coordinates in the plane, with the sign of their axes against −y.
     torso_chain: Vec<(usize, f64)>,
     /// The sum of their angles.
@@ -179,25 +179,6 @@ impl Dynamics {
         libm::atan2(x.z, libm::hypot(x.x, x.y))
     }
 
-    /// The Jacobian (d × nv) of a point that is fixed to `body` and now at `world_point` [m], written to `out`.
-    ///
-    /// # Panics
-    /// If `out` has a wrong shape.
-    pub fn point_jacobian(&self, model: &Model, body: usize, world_point: &Vector3<f64>, out: &mut DMatrix<f64>) {
-        let axes = model.linear_axes();
-        assert_eq!(out.shape(), (axes.len(), model.nv()), "shape of the point's Jacobian");
-        let at = world_point - self.reference;
-        out.fill(0.0);
-        let mut j = self.last_dof[body];
-        while j != NONE {
-            let column = self.subspace[j].linear_at(&at);
-            for (r, axis) in axes.iter().enumerate() {
-                out[(r, j)] = axis.dot(&column);
-            }
-            j = self.parent_dof[j];
-        }
-    }
-
     /// The generalised force of `force` [N] on a point that is fixed to `body` and now at `world_point` [m], added to
     /// `out` (nv). Of the latest position.
     pub fn add_point_force(&self, body: usize, world_point: &Vector3<f64>, force: &Vector3<f64>, out: &mut [f64]) {
@@ -215,74 +196,6 @@ impl Dynamics {
         for (value, momentum) in out.iter_mut().zip(&self.subspace_momentum) {
             *value += momentum.linear.dot(force) / mass;
         }
-    }
-
-    /// The velocity coordinates that move `body`, from the base outward.
-    #[must_use]
-    pub fn chain(&self, body: usize) -> Vec<usize> {
-        let mut chain = Vec::new();
-        let mut j = self.last_dof[body];
-        while j != NONE {
-            chain.push(j);
-            j = self.parent_dof[j];
-        }
-        chain.reverse();
-        chain
-    }
-
-    /// How a point moves that is fixed to what coordinate `j` moves and now at `world_point` [m], at unit speed of `j`:
-    /// angular, and linear at the point. Of the latest position.
-    #[inline]
-    #[must_use]
-    pub fn unit_motion(&self, j: usize, world_point: &Vector3<f64>) -> Motion {
-        let s = &self.subspace[j];
-        Motion { angular: s.angular, linear: s.linear_at(&(world_point - self.reference)) }
-    }
-
-    /// The angular velocity of `body`, and the velocity of its point that is now at `world_point` [m].
-    #[inline]
-    #[must_use]
-    pub fn motion_at(&self, body: usize, world_point: &Vector3<f64>) -> Motion {
-        let velocity = &self.velocity[body];
-        Motion { angular: velocity.angular, linear: velocity.linear_at(&(world_point - self.reference)) }
-    }
-
-    /// The velocity [m/s] of a point that is fixed to `body` and now at `world_point` [m].
-    #[must_use]
-    pub fn point_velocity(&self, body: usize, world_point: &Vector3<f64>) -> Vector3<f64> {
-        self.velocity[body].linear_at(&(world_point - self.reference))
-    }
-
-    /// The acceleration [m/s²] at v̇ = 0, that is J̇ v, of a point that is fixed to `body` and now at `world_point` [m].
-    #[must_use]
-    pub fn point_bias(&self, body: usize, world_point: &Vector3<f64>) -> Vector3<f64> {
-        let at = world_point - self.reference;
-        let velocity = &self.velocity[body];
-        // From the spatial to the point's own acceleration: + ω × (velocity of the point). Featherstone 2008, (2.48)
-        self.acceleration[body].linear_at(&at) + velocity.angular.cross(&velocity.linear_at(&at))
-    }
-
-    /// The Jacobian (angular axes × nv) of a body's angular velocity, written to `out`.
-    ///
-    /// # Panics
-    /// If `out` has a wrong shape.
-    pub fn angular_jacobian(&self, model: &Model, body: usize, out: &mut DMatrix<f64>) {
-        let axes = model.angular_axes();
-        assert_eq!(out.shape(), (axes.len(), model.nv()), "shape of the angular Jacobian");
-        out.fill(0.0);
-        let mut j = self.last_dof[body];
-        while j != NONE {
-            for (r, axis) in axes.iter().enumerate() {
-                out[(r, j)] = axis.dot(&self.subspace[j].angular);
-            }
-            j = self.parent_dof[j];
-        }
-    }
-
-    /// The angular acceleration [rad/s²] of a body at v̇ = 0, that is J̇ v of its angular velocity.
-    #[must_use]
-    pub fn angular_bias(&self, body: usize) -> Vector3<f64> {
-        self.acceleration[body].angular
     }
 
     fn contacts(&mut self, model: &Model) {

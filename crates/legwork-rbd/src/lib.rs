@@ -38,7 +38,8 @@
 //! visible within seconds. What remains (add, multiply, divide, square root) is fixed by IEEE 754.
 //!
 //! # Sources
-//! R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008 (recursive Newton-Euler, composite rigid bodies).
+//! R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008 (recursive Newton-Euler, composite rigid bodies,
+//! articulated bodies).
 //! D. E. Orin, A. Goswami, S.-H. Lee, *Centroidal dynamics of a humanoid robot*, Autonomous Robots 35, 2013.
 
 // M, A, J are the field's names.
@@ -52,6 +53,9 @@ mod check;
 mod description;
 mod dynamics;
 mod error;
+mod forward_dynamics;
+mod frame;
+mod inverse_dynamics;
 mod joints;
 mod kinematics;
 mod mass_matrix;
@@ -69,6 +73,9 @@ mod write;
 pub use base::Base;
 pub use dynamics::Dynamics;
 pub use error::ModelError;
+pub use forward_dynamics::ForwardDynamics;
+pub use frame::Frame;
+pub use inverse_dynamics::InverseDynamics;
 pub use joints::{Fixed, Floating, Joint, Prismatic, Revolute};
 pub use model::{Body, ContactPoint, Dof, Model};
 pub use spatial::{Force, Inertia, Motion, Placement};

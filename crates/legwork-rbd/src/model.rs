@@ -3,6 +3,7 @@
 use nalgebra::{DVector, Matrix3, Vector3};
 
 use crate::base::Base;
+use crate::frame::Frame;
 use crate::joints::Joint;
 use crate::spatial::Placement;
 
@@ -102,6 +103,8 @@ pub struct Model {
     pub dofs: Vec<Dof>,
     /// In the order of the file.
     pub contacts: Vec<ContactPoint>,
+    /// Named places on bodies, in the order of the file. [`Model::frame`] finds them by name, and bodies too.
+    pub frames: Vec<Frame>,
     /// The feet's names, right before left in the project's own models.
     pub feet: Vec<String>,
     /// The body whose orientation is the robot's posture, in [`Model::bodies`].

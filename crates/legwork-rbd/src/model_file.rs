@@ -22,6 +22,8 @@ pub(crate) struct ModelFile {
     pub(crate) bodies: Vec<Spanned<BodyEntry>>,
     #[serde(default)]
     pub(crate) contacts: Vec<Spanned<ContactEntry>>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) frames: Vec<Spanned<FrameEntry>>,
 }
 
 /// Limits of the root link's angle in the plane.
@@ -74,6 +76,16 @@ pub(crate) struct ContactEntry {
     pub(crate) body: String,
     pub(crate) position_m: [f64; 3],
     pub(crate) foot: Option<String>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct FrameEntry {
+    pub(crate) name: String,
+    pub(crate) body: String,
+    pub(crate) position_m: Option<[f64; 3]>,
+    pub(crate) rpy_deg: Option<[f64; 3]>,
+    pub(crate) rotation: Option<[[f64; 3]; 3]>,
 }
 
 impl<'de> Deserialize<'de> for InertiaEntry {

@@ -61,7 +61,7 @@ impl Model {
     /// Reads a model from URDF, with what URDF cannot say from the TOML text `sidecar` (text, name).
     ///
     /// The side file's keys are all optional: `base` ("floating" if not given; the argument `base` overrides it), `torso`
-    /// (the root link), `gravity_mps2` (9.81), `base_pitch` (limits, planar base), `contacts` and `feet` as in a TOML
+    /// (the root link), `gravity_mps2` (9.81), `base_pitch` (limits, planar base), `contacts`, `frames` and `feet` as in a TOML
     /// model, and either `actuated` or `passive`, a list of joints (every joint that moves is actuated).
     ///
     /// Fixed joints are kept, as bodies that are rigidly attached. Continuous joints are revolute ones without limits. Meshes

@@ -4,11 +4,11 @@ use nalgebra::Matrix3;
 use toml::Spanned;
 
 use crate::base::Base;
-use crate::description::{BodyDescription, ContactDescription, Description, JointDescription};
+use crate::description::{BodyDescription, ContactDescription, Description, FrameDescription, JointDescription};
 use crate::error::ModelError;
 use crate::joints::{Fixed, Form, Joint, Kind};
 use crate::model::{Dof, Model};
-use crate::model_file::{BodyEntry, ContactEntry, GRAVITY, InertiaEntry, ModelFile, PitchLimits};
+use crate::model_file::{BodyEntry, ContactEntry, FrameEntry, GRAVITY, InertiaEntry, ModelFile, PitchLimits};
 use crate::read::{Source, unit_axis};
 use crate::spatial::{Placement, rotation_from_rpy};
 use crate::table::Table;
@@ -37,6 +37,7 @@ pub(crate) fn read_toml(text: &str, file_name: &str, base: Option<Base>) -> Resu
         feet: file.feet,
         bodies,
         contacts: contacts(&file.contacts, &source)?,
+        frames: frames(&file.frames, &source)?,
         warnings: Vec::new(),
         side_file: file_name.to_owned(),
     }
@@ -75,6 +76,18 @@ pub(crate) fn contacts(
             foot: contact.foot.clone().unwrap_or_else(|| contact.name.clone()),
             line,
         })
+    };
+    entries.iter().map(describe).collect()
+}
+
+pub(crate) fn frames(entries: &[Spanned<FrameEntry>], source: &Source) -> Result<Vec<FrameDescription>, ModelError> {
+    let describe = |entry: &Spanned<FrameEntry>| {
+        let (line, frame) = (source.line(entry.span().start), entry.get_ref());
+        let subject = format!("frame {:?}", frame.name);
+        let rotation = rotation(["rpy_deg", "rotation"], frame.rpy_deg, frame.rotation, source, line, &subject)?;
+        let translation = source.vector(line, &subject, "position_m", frame.position_m.unwrap_or_default())?;
+        let placement = Placement { rotation, translation };
+        Ok(FrameDescription { name: frame.name.clone(), body: frame.body.clone(), placement, line })
     };
     entries.iter().map(describe).collect()
 }
@@ -164,9 +177,9 @@ fn joint(table: &Spanned<Table>, source: &Source) -> Result<JointDescription, Mo
     let read = kind.read.expect("found among those that can be read");
     let origin: [f64; 3] = table.take(source, "origin_m")?.unwrap_or_default();
     let translation = source.vector(line, &subject, "origin_m", origin)?;
-    let rpy = table.take(source, "origin_rpy_deg")?;
-    let rows = table.take(source, "origin_rotation")?;
-    let placement = Placement { rotation: rotation(rpy, rows, source, line, &subject)?, translation };
+    let keys = ["origin_rpy_deg", "origin_rotation"];
+    let (rpy, rows) = (table.take(source, keys[0])?, table.take(source, keys[1])?);
+    let placement = Placement { rotation: rotation(keys, rpy, rows, source, line, &subject)?, translation };
     let mut joint = JointDescription::new(name.clone(), read(&axis)?, placement);
     let actuated = table.take(source, "actuated")?.unwrap_or(true);
     joint.dof.actuated = actuated && joint.kind.nv() > 0;
@@ -211,8 +224,9 @@ fn numbers(
     Err(source.syntax(at, format!("unknown field `{foreign}`, expected one of {}", valid.join(", "))))
 }
 
-/// A rotation that is given by fixed-axis roll, pitch, yaw, by its rows or not at all.
+/// A rotation that is given by fixed-axis roll, pitch, yaw, by its rows (under one of two `keys`) or not at all.
 fn rotation(
+    keys: [&str; 2],
     rpy_deg: Option<[f64; 3]>,
     rows: Option<[[f64; 3]; 3]>,
     source: &Source,
@@ -222,10 +236,10 @@ fn rotation(
     match (rpy_deg, rows) {
         (None, None) => Ok(Matrix3::identity()),
         (Some(_), Some(_)) => {
-            Err(source.invalid(line, subject, "origin_rpy_deg and origin_rotation are both given; give one"))
+            Err(source.invalid(line, subject, format!("{} and {} are both given; give one", keys[0], keys[1])))
         }
         (Some(rpy), None) => {
-            let rpy = source.vector(line, subject, "origin_rpy_deg", rpy)?;
+            let rpy = source.vector(line, subject, keys[0], rpy)?;
             Ok(rotation_from_rpy([rpy.x.to_radians(), rpy.y.to_radians(), rpy.z.to_radians()]))
         }
         (None, Some(rows)) => {
@@ -233,7 +247,7 @@ fn rotation(
             let error = (rotation * rotation.transpose() - Matrix3::identity()).abs().max();
             // Written so that NaN fails
             if !(error < 1e-9 && rotation.determinant() > 0.0) {
-                let problem = "origin_rotation is no rotation matrix (rows orthonormal, determinant 1)";
+                let problem = format!("{} is no rotation matrix (rows orthonormal, determinant 1)", keys[1]);
                 return Err(source.invalid(line, subject, problem));
             }
             Ok(rotation)

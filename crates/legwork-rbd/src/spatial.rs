@@ -48,6 +48,12 @@ impl Motion {
         self.angular.dot(&f.angular) + self.linear.dot(&f.linear)
     }
 
+    /// Adds `factor` times `other`.
+    pub(crate) fn add_scaled(&mut self, other: &Motion, factor: f64) {
+        self.angular += other.angular * factor;
+        self.linear += other.linear * factor;
+    }
+
     /// The linear part at the point `at`, given relative to the point of reference.
     #[must_use]
     pub fn linear_at(&self, at: &Vector3<f64>) -> Vector3<f64> {
@@ -69,6 +75,12 @@ impl Force {
     #[must_use]
     pub const fn zero() -> Self {
         Self { angular: Vector3::new(0.0, 0.0, 0.0), linear: Vector3::new(0.0, 0.0, 0.0) }
+    }
+
+    /// Adds `factor` times `other`.
+    pub(crate) fn add_scaled(&mut self, other: &Force, factor: f64) {
+        self.angular += other.angular * factor;
+        self.linear += other.linear * factor;
     }
 
     /// The angular part about the point `at`, given relative to the present origin.

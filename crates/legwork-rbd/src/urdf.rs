@@ -10,9 +10,9 @@ use crate::description::{BodyDescription, Description, JointDescription};
 use crate::error::ModelError;
 use crate::joints::{Fixed, Joint, Kind};
 use crate::model::Model;
-use crate::model_file::{ContactEntry, GRAVITY, PitchLimits};
+use crate::model_file::{ContactEntry, FrameEntry, GRAVITY, PitchLimits};
 use crate::read::{Source, unit_axis};
-use crate::read_toml::{contacts, pitch_limits};
+use crate::read_toml::{contacts, frames, pitch_limits};
 use crate::spatial::{Placement, rotation_from_rpy};
 use crate::urdf_text::{element_line, parse};
 
@@ -29,6 +29,8 @@ struct SideFile {
     passive: Option<Vec<String>>,
     #[serde(default)]
     contacts: Vec<Spanned<ContactEntry>>,
+    #[serde(default)]
+    frames: Vec<Spanned<FrameEntry>>,
 }
 
 pub(crate) fn read_urdf(
@@ -59,6 +61,7 @@ pub(crate) fn read_urdf(
         feet: side.feet,
         bodies,
         contacts: contacts(&side.contacts, &side_source)?,
+        frames: frames(&side.frames, &side_source)?,
         warnings,
         side_file: side_name.to_owned(),
     }

@@ -1,11 +1,13 @@
 //! Writing a model in its canonical form.
 
+use nalgebra::Matrix3;
 use toml::Spanned;
 
 use crate::base::Base;
+use crate::frame::Frame;
 use crate::joints::Form;
 use crate::model::{Body, Model};
-use crate::model_file::{BodyEntry, ContactEntry, FullInertia, InertiaEntry, ModelFile, PitchLimits};
+use crate::model_file::{BodyEntry, ContactEntry, FrameEntry, FullInertia, InertiaEntry, ModelFile, PitchLimits};
 use crate::table::Table;
 
 impl Model {
@@ -41,6 +43,19 @@ impl Model {
                     })
                 })
                 .collect(),
+            frames: self
+                .frames
+                .iter()
+                .map(|Frame { name, body, placement }| {
+                    spanned(FrameEntry {
+                        name: name.clone(),
+                        body: self.bodies[*body].name.clone(),
+                        position_m: Some(placement.translation.into()),
+                        rpy_deg: None,
+                        rotation: rows(&placement.rotation),
+                    })
+                })
+                .collect(),
         };
         toml::to_string(&file).expect("strings, numbers and lists can be written as TOML")
     }
@@ -49,7 +64,7 @@ impl Model {
         let i = &body.inertia;
         let full =
             FullInertia { xx: i[(0, 0)], yy: i[(1, 1)], zz: i[(2, 2)], xy: i[(0, 1)], xz: i[(0, 2)], yz: i[(1, 2)] };
-        let one_number = self.is_planar() && *i == nalgebra::Matrix3::identity() * full.yy;
+        let one_number = self.is_planar() && *i == Matrix3::identity() * full.yy;
         let inertia = if one_number { InertiaEntry::Planar(full.yy) } else { InertiaEntry::Full(full) };
         let parent = body.parent.filter(|&parent| parent >= self.root());
         let has_joint = parent.is_some() || self.base == Base::Fixed;
@@ -72,9 +87,8 @@ impl Model {
             table.push("axis", list(axis.into_inner().into()));
         }
         table.push("origin_m", list(body.placement.translation.into()));
-        let rotation = &body.placement.rotation;
-        if *rotation != nalgebra::Matrix3::identity() {
-            table.push("origin_rotation", [0, 1, 2].map(|i| list([0, 1, 2].map(|j| rotation[(i, j)]))).to_vec());
+        if let Some(rows) = rows(&body.placement.rotation) {
+            table.push("origin_rotation", rows.map(list).to_vec());
         }
         for index in body.v_index..body.v_index + body.joint.nv() {
             let mut dof = self.dofs[index].clone();
@@ -88,6 +102,12 @@ impl Model {
         }
         table
     }
+}
+
+/// The rows of a rotation, where it is one.
+fn rows(rotation: &Matrix3<f64>) -> Option<[[f64; 3]; 3]> {
+    let rows = [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation[(i, j)]));
+    (*rotation != Matrix3::identity()).then_some(rows)
 }
 
 /// An infinite limit is none.

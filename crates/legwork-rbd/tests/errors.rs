@@ -159,6 +159,13 @@ fn names() {
     says(&toml_error("contacts = [", "feet = [\"tip\", \"tip\"]\ncontacts = ["), &["feet: \"tip\" is given twice"]);
     let twice = "contacts = [{ name = \"tip\", body = \"upper\", position_m = [0, 0, 0] }, ";
     says(&toml_error("contacts = [", twice), &["contact \"tip\": the name is given twice"]);
+    let frame = |body: &str| toml_error("[[bodies]]", &format!("[[frames]]\n{body}\n[[bodies]]"));
+    says(&frame("name = \"f\"\nbody = \"hand\""), &["robot.toml:9: frame \"f\": unknown body \"hand\"; valid are"]);
+    says(&frame("name = \"upper\"\nbody = \"lower\""), &["frame \"upper\": the name is given twice"]);
+    says(&frame("name = \" \"\nbody = \"lower\""), &["a frame's name: is empty"]);
+    let both = "name = \"f\"\nbody = \"lower\"\nrpy_deg = [0, 0, 0]\nrotation = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]";
+    says(&frame(both), &["frame \"f\": rpy_deg and rotation are both given"]);
+    says(&frame("name = \"f\"\nbody = \"lower\"\nposition_m = [0, nan, 0]"), &["frame \"f\": position_m is NaN"]);
     let reserved =
         TOML.replace("name = \"elbow\"", "name = \"base_x\"").replace("\"fixed\"\ngravity", "\"planar\"\ngravity");
     says(

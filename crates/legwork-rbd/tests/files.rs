@@ -217,6 +217,22 @@ fn side_file_names_motors() {
 }
 
 #[test]
+fn frames_and_links_are_found_by_name() {
+    let side = "frames = [{ name = \"handle\", body = \"lower\", position_m = [0.1, 0, -0.4], rpy_deg = [0, 0, 90] }]";
+    let side = Some((side, "p.legwork.toml"));
+    let model = Model::from_urdf(PENDULUM_URDF, "p.urdf", side, Some(Base::Fixed)).unwrap();
+    let mut dynamics = Dynamics::new(&model);
+    dynamics.update(&model, &[std::f64::consts::FRAC_PI_2, 0.0], &[0.0, 0.0]);
+    // The arm points along x: what is ahead of it at zero is above it then, and y of the handle is −x of the arm
+    let handle = dynamics.frame_pose(&model.frame("handle").unwrap());
+    assert_close("handle", handle.translation.as_slice(), &[1.0, 0.0, 0.1], 1e-14);
+    assert_close("its y axis", handle.rotation.column(1).as_slice(), &[0.0, 0.0, -1.0], 1e-14);
+    let link = model.frame("lower").unwrap();
+    assert_eq!(dynamics.frame_pose(&link), dynamics.world_from_body[link.body]);
+    assert_eq!(model.frame("hand"), None);
+}
+
+#[test]
 fn urdf_defaults_and_warnings() {
     let model = Model::from_urdf(PENDULUM_URDF, "p.urdf", None, None).unwrap();
     assert_eq!((model.base, model.torso, model.nc()), (Base::Floating, 0, 0));

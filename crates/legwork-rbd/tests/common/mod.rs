@@ -59,7 +59,7 @@ impl Random {
     }
 }
 
-/// The TOML text of a random tree with `bodies` bodies: every kind of joint, any axes and origins that the base allows, four contacts.
+/// The TOML text of a random tree with `bodies` bodies: every kind of joint, any axes and origins that the base allows, four contacts, three frames.
 pub fn random_tree(seed: u64, bodies: usize, base: Base) -> String {
     let mut random = Random(seed);
     let name = match base {
@@ -99,6 +99,11 @@ pub fn random_tree(seed: u64, bodies: usize, base: Base) -> String {
         let (body, position) = (random.below(bodies), random.vector(0.4));
         writeln!(text, "[[contacts]]\nname = \"c{k}\"\nfoot = \"f{}\"", k / 2).unwrap();
         writeln!(text, "body = \"b{body}\"\nposition_m = {position:?}").unwrap();
+    }
+    for k in 0..3 {
+        let (body, position, rpy) = (random.below(bodies), random.vector(0.4), random.vector(180.0));
+        writeln!(text, "[[frames]]\nname = \"f{k}\"\nbody = \"b{body}\"").unwrap();
+        writeln!(text, "position_m = {position:?}\nrpy_deg = {rpy:?}").unwrap();
     }
     text
 }
