@@ -3,10 +3,10 @@
 use nalgebra::Matrix3;
 
 use crate::base::Base;
-use crate::description::{BodyDescription, Description};
+use crate::description::{BodyDescription, Description, JointDescription};
 use crate::dynamics::Dynamics;
 use crate::error::ModelError;
-use crate::model::Model;
+use crate::model::{Dof, Model};
 use crate::spatial::Placement;
 
 impl Description {
@@ -75,24 +75,7 @@ impl Description {
     fn check_joint(&self, body: &BodyDescription) -> Result<(), ModelError> {
         let joint = &body.joint;
         let (subject, line) = (format!("joint {:?}", joint.name), joint.line.or(body.line));
-        if joint.dof.lower > joint.dof.upper {
-            let limit = |value: f64| match joint.kind.kind().velocities {
-                [(_, true)] => format!("{value:.6} rad ({:.2} deg)", value.to_degrees()),
-                _ => format!("{value} m"),
-            };
-            let (lower, upper) = (limit(joint.dof.lower), limit(joint.dof.upper));
-            let problem = format!("limits are crossed: lower {lower} is above upper {upper}");
-            return Err(self.invalid(line, subject, problem));
-        }
-        for (what, limit) in [("velocity", joint.dof.velocity_limit), ("effort", joint.dof.effort_limit)] {
-            if limit <= 0.0 {
-                let problem = format!("{what} limit {limit} is not positive; leave it out for no limit");
-                return Err(self.invalid(line, subject, problem));
-            }
-        }
-        if joint.dof.damping < 0.0 {
-            return Err(self.invalid(line, subject, format!("damping {} is negative", joint.dof.damping)));
-        }
+        joint.check_numbers().map_err(|problem| self.invalid(line, &subject, problem))?;
         if body.parent.is_none() && joint.kind.nv() > 0 {
             let problem = format!("body {:?} has no parent, so its joint is the base's; name a parent", body.name);
             return Err(self.invalid(line, subject, problem));
@@ -181,6 +164,45 @@ impl Description {
                                use base = \"floating\", or fix the joint";
                 return Err(self.invalid(line, subject, problem));
             }
+        }
+        Ok(())
+    }
+}
+
+impl JointDescription {
+    /// What is impossible about the numbers of its coordinate, which are known to be finite.
+    pub(crate) fn check_numbers(&self) -> Result<(), String> {
+        let Dof { lower, upper, stiffness, rest, stop_stiffness, stop_damping, .. } = self.dof;
+        if lower > upper {
+            let limit = |value: f64| match self.kind.kind().velocities {
+                [(_, true)] => format!("{value:.6} rad ({:.2} deg)", value.to_degrees()),
+                _ => format!("{value} m"),
+            };
+            return Err(format!("limits are crossed: lower {} is above upper {}", limit(lower), limit(upper)));
+        }
+        for (what, limit) in [("velocity", self.dof.velocity_limit), ("effort", self.dof.effort_limit)] {
+            if limit <= 0.0 {
+                return Err(format!("{what} limit {limit} is not positive; leave it out for no limit"));
+            }
+        }
+        for (what, value) in [
+            ("damping", self.dof.damping),
+            ("the spring's stiffness", stiffness),
+            ("the stop's stiffness", stop_stiffness),
+            ("the stop's damping", stop_damping),
+        ] {
+            if value < 0.0 {
+                return Err(format!("{what} {value} is negative"));
+            }
+        }
+        if rest != 0.0 && stiffness == 0.0 {
+            return Err("a rest position without a spring; give the spring's stiffness as well, or neither".to_owned());
+        }
+        if stop_damping != 0.0 && stop_stiffness == 0.0 {
+            return Err("a stop's damping without its stiffness; give the stiffness as well, or neither".to_owned());
+        }
+        if stop_stiffness != 0.0 && lower.is_infinite() && upper.is_infinite() {
+            return Err("a stop without an end of the range; give lower or upper as well".to_owned());
         }
         Ok(())
     }

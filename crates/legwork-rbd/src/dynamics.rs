@@ -11,7 +11,7 @@ pub(crate) const NONE: usize = usize::MAX;
 /// Every dynamic quantity of one state (q, v), and all scratch. Valid after [`Dynamics::update`].
 ///
 /// nv: velocity coordinates; nc: contact points; d: linear axes (2 in the plane, 3 in space); r: angular and linear axes
-/// (3 or 6). The equation of motion reads `M v̇ + bias + damping = Sᵀ τ + Jᵀ ρ`.
+/// (3 or 6). The equation of motion reads `M v̇ + bias + damping + elastic = Sᵀ τ + Jᵀ ρ`.
 #[derive(Clone, Debug)]
 pub struct Dynamics {
     /// M (nv × nv), symmetric, SI units.
@@ -20,8 +20,10 @@ pub struct Dynamics {
     pub bias: DVector<f64>,
     /// G (nv) [Nm or N]: what holds the robot at rest.
     pub gravity: DVector<f64>,
-    /// B v (nv) [Nm or N]: it opposes the motion, on the side of `bias`.
+    /// B v (nv) [Nm or N], with the dampers of stops that a joint is at: it opposes the motion, on the side of `bias`.
     pub damping: DVector<f64>,
+    /// K (q − rest), and what stops push with (nv) [Nm or N]: the gradient of `elastic_energy`, on the side of `bias`.
+    pub elastic: DVector<f64>,
     /// The centre of mass [m].
     pub com: Vector3<f64>,
     /// Its velocity [m/s].
@@ -53,6 +55,8 @@ pub struct Dynamics {
     pub kinetic_energy: f64,
     /// [J], zero with the centre of mass at z = 0.
     pub potential_energy: f64,
+    /// [J], in the springs and stops of the joints.
+    pub elastic_energy: f64,
 
     /// The point all that follows refers to: the root link's origin in the world.
     pub(crate) reference: Vector3<f64>,
@@ -67,6 +71,8 @@ pub struct Dynamics {
     pub(crate) composite: Vec<Inertia>,
     pub(crate) force: Vec<Force>,
     pub(crate) momentum: Force,
+    /// The elastic force of each coordinate's stop.
+    pub(crate) stop_force: Vec<f64>,
     /// For each velocity coordinate the next one toward the base.
     pub(crate) parent_dof: Vec<usize>,
     /// For each body the outermost velocity coordinate that moves it.
@@ -90,6 +96,7 @@ impl Dynamics {
             bias: DVector::zeros(nv),
             gravity: DVector::zeros(nv),
             damping: DVector::zeros(nv),
+            elastic: DVector::zeros(nv),
             com: Vector3::zeros(),
             com_velocity: Vector3::zeros(),
             com_jacobian: DMatrix::zeros(d, nv),
@@ -105,6 +112,7 @@ impl Dynamics {
             body_velocity: vec![Motion::zero(); nb],
             kinetic_energy: 0.0,
             potential_energy: 0.0,
+            elastic_energy: 0.0,
             reference: Vector3::zeros(),
             relative: vec![Placement::identity(); nb],
             velocity: vec![Motion::zero(); nb],
@@ -115,6 +123,7 @@ impl Dynamics {
             composite: vec![Inertia::zero(); nb],
             force: vec![Force::zero(); nb],
             momentum: Force::zero(),
+            stop_force: vec![0.0; nv],
             parent_dof,
             last_dof,
             torso_chain,
@@ -136,7 +145,7 @@ impl Dynamics {
     }
 
     /// The first stage of [`Dynamics::update`]: only what the position `q` (nq) decides and an equation of motion needs,
-    /// that is `mass_matrix`, `gravity`, `world_from_body`, `contact_positions` and the motion subspaces.
+    /// that is `mass_matrix`, `gravity`, `elastic` and its energy, `world_from_body`, `contact_positions` and the motion subspaces.
     ///
     /// # Panics
     /// As [`Dynamics::update`].
@@ -151,6 +160,7 @@ impl Dynamics {
         self.inertias(model);
         self.mass_matrix(model);
         self.gravity(model);
+        self.springs(model, q);
     }
 
     /// The second stage: what the velocity `v` (nv) adds at the latest position, that is `bias`, `damping`,

@@ -43,7 +43,7 @@ impl ForwardDynamics {
 
     /// Writes the accelerations `vdot` (nv) [rad/s² or m/s²] that the generalised forces `tau` (nv) [Nm or N] and the contact
     /// forces `rho` (d nc) [N], along the linear axes, cause in the state of `dynamics`:
-    /// `M v̇ = tau + Jᵀ ρ − bias − damping`. Allocates nothing.
+    /// `M v̇ = tau + Jᵀ ρ − bias − damping − elastic`. Allocates nothing.
     ///
     /// Returns false where a coordinate moves no inertia, so that its acceleration is not determined; `vdot` then
     /// has no meaning.
@@ -67,7 +67,8 @@ impl ForwardDynamics {
                 if D.is_nan() || D <= 0.0 {
                     return false;
                 }
-                let u = tau[j] - dynamics.bias[j] - dynamics.damping[j] - s.dot(&force);
+                let passive = dynamics.bias[j] + dynamics.damping[j] + dynamics.elastic[j];
+                let u = tau[j] - passive - s.dot(&force);
                 articulated.release(&U, D);
                 force.add_scaled(&U, u / D);
                 (self.momentum[j], self.inertia[j], self.drive[j]) = (U, D, u);

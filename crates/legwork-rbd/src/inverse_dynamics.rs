@@ -23,7 +23,7 @@ impl InverseDynamics {
 
     /// Writes the generalised forces `tau` (nv) [Nm or N] with which the robot accelerates by `vdot` (nv) [rad/s² or
     /// m/s²] in the state of `dynamics`, while the contact forces `rho` (d nc) [N] act along the linear axes:
-    /// `tau = M v̇ + bias + damping − Jᵀ ρ`. Allocates nothing.
+    /// `tau = M v̇ + bias + damping + elastic − Jᵀ ρ`. Allocates nothing.
     ///
     /// # Panics
     /// If a slice has a wrong length, or if `self` was made for another model.
@@ -42,7 +42,8 @@ impl InverseDynamics {
         }
         for (i, body) in model.bodies.iter().enumerate().rev() {
             for j in body.v_index..body.v_index + body.joint.nv() {
-                tau[j] = dynamics.subspace[j].dot(&self.force[i]) + dynamics.bias[j] + dynamics.damping[j];
+                let passive = dynamics.bias[j] + dynamics.damping[j] + dynamics.elastic[j];
+                tau[j] = dynamics.subspace[j].dot(&self.force[i]) + passive;
             }
             if let Some(parent) = body.parent {
                 let force = self.force[i];

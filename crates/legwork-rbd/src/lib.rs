@@ -52,6 +52,7 @@ mod centroidal;
 mod check;
 mod description;
 mod dynamics;
+mod elastic;
 mod error;
 mod forward_dynamics;
 mod frame;

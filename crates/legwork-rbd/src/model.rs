@@ -32,7 +32,7 @@ pub struct Body {
     pub v_index: usize,
 }
 
-/// A velocity coordinate: its name and limits.
+/// A velocity coordinate: its name and limits, damper, spring and stops.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dof {
     /// The joint's name; of a base `base_x`, `base_z`, `base_pitch`, or `base_wx` … `base_wz`, `base_vx` … `base_vz`.
@@ -49,6 +49,14 @@ pub struct Dof {
     pub effort_limit: f64,
     /// Viscous damping [Nm s/rad or N s/m].
     pub damping: f64,
+    /// Stiffness of a spring at the joint [Nm/rad or N/m]; zero without one, and on a floating base.
+    pub stiffness: f64,
+    /// Where that spring is at rest [rad or m].
+    pub rest: f64,
+    /// Stiffness of the stops at `lower` and `upper` [Nm/rad or N/m]; zero where the joint moves freely through them.
+    pub stop_stiffness: f64,
+    /// Damping of the stops while the joint is beyond its end [Nm s/rad or N s/m].
+    pub stop_damping: f64,
     /// Whether it is an angle rather than a distance.
     pub rotational: bool,
     /// The body it moves, in [`Model::bodies`].
@@ -56,7 +64,7 @@ pub struct Dof {
 }
 
 impl Dof {
-    /// A coordinate without limits, damping or motor; joint and body are not told yet.
+    /// A coordinate without limits, damping, spring or motor; joint and body are not told yet.
     pub(crate) fn free() -> Self {
         Self {
             name: String::new(),
@@ -66,6 +74,10 @@ impl Dof {
             velocity_limit: f64::INFINITY,
             effort_limit: f64::INFINITY,
             damping: 0.0,
+            stiffness: 0.0,
+            rest: 0.0,
+            stop_stiffness: 0.0,
+            stop_damping: 0.0,
             rotational: false,
             body: 0,
         }

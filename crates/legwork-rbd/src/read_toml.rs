@@ -189,7 +189,7 @@ fn joint(table: &Spanned<Table>, source: &Source) -> Result<JointDescription, Mo
 }
 
 /// The numbers of a joint's coordinate, which is all that is left of its table.
-fn numbers(
+pub(crate) fn numbers(
     table: &mut Table,
     kind: &Kind,
     dof: &mut Dof,

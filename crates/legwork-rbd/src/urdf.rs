@@ -1,5 +1,7 @@
 //! URDF, through `urdf-rs`, and the file beside it that says what URDF cannot.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Matrix3, Vector3};
 use serde::Deserialize;
 use toml::Spanned;
@@ -12,8 +14,9 @@ use crate::joints::{Fixed, Joint, Kind};
 use crate::model::Model;
 use crate::model_file::{ContactEntry, FrameEntry, GRAVITY, PitchLimits};
 use crate::read::{Source, unit_axis};
-use crate::read_toml::{contacts, frames, pitch_limits};
+use crate::read_toml::{contacts, frames, numbers, pitch_limits};
 use crate::spatial::{Placement, rotation_from_rpy};
+use crate::table::Table;
 use crate::urdf_text::{element_line, parse};
 
 /// `robot.legwork.toml` beside `robot.urdf`.
@@ -31,6 +34,9 @@ struct SideFile {
     contacts: Vec<Spanned<ContactEntry>>,
     #[serde(default)]
     frames: Vec<Spanned<FrameEntry>>,
+    /// By the joint's name: the numbers that a joint may have in TOML, in place of those of the URDF.
+    #[serde(default)]
+    joints: BTreeMap<String, Spanned<Table>>,
 }
 
 pub(crate) fn read_urdf(
@@ -50,6 +56,7 @@ pub(crate) fn read_urdf(
     let mut warnings = Vec::new();
     let mut bodies = bodies(&robot, text, &source, &mut warnings)?;
     mark_actuated(&mut bodies, &side, &side_source)?;
+    set_numbers(&mut bodies, &side.joints, &side_source)?;
     let base = base.or(side.base).unwrap_or(Base::Floating);
     Description {
         file: file_name.to_owned(),
@@ -243,14 +250,37 @@ fn mark_actuated(bodies: &mut [BodyDescription], side: &SideFile, source: &Sourc
             return Err(source.invalid(None, "actuated, passive", "both are given; give one, the other follows"));
         }
     };
-    let moving: Vec<String> =
-        bodies.iter().filter(|body| body.joint.kind.nv() > 0).map(|body| body.joint.name.clone()).collect();
-    if let Some(unknown) = list.iter().find(|name| !moving.contains(name)) {
-        let problem = format!("unknown joint {unknown:?}; valid are {}", moving.join(", "));
-        return Err(source.invalid(None, key, problem));
+    for name in list {
+        moving_joint(bodies, name).map_err(|problem| source.invalid(None, key, problem))?;
     }
     for body in bodies.iter_mut().filter(|body| body.joint.kind.nv() > 0) {
         body.joint.dof.actuated = list.contains(&body.joint.name) == listed_is;
     }
     Ok(())
+}
+
+fn set_numbers(
+    bodies: &mut [BodyDescription],
+    joints: &BTreeMap<String, Spanned<Table>>,
+    source: &Source,
+) -> Result<(), ModelError> {
+    for (name, table) in joints {
+        let (line, subject) = (source.line(table.span().start), format!("joint {name:?}"));
+        let joint = moving_joint(bodies, name).map_err(|problem| source.invalid(line, "joints", problem))?;
+        let mut table = table.get_ref().clone();
+        numbers(&mut table, joint.kind.kind(), &mut joint.dof, source, line, &subject)?;
+        joint.check_numbers().map_err(|problem| source.invalid(line, subject, problem))?;
+    }
+    Ok(())
+}
+
+/// The joint of this name among those that move.
+fn moving_joint<'a>(bodies: &'a mut [BodyDescription], name: &str) -> Result<&'a mut JointDescription, String> {
+    let moving = || bodies.iter().filter(|body| body.joint.kind.nv() > 0);
+    if moving().all(|body| body.joint.name != name) {
+        let names: Vec<_> = moving().map(|body| body.joint.name.as_str()).collect();
+        return Err(format!("unknown joint {name:?}; valid are {}", names.join(", ")));
+    }
+    let found = bodies.iter_mut().map(|body| &mut body.joint).find(|joint| joint.name == name && joint.kind.nv() > 0);
+    Ok(found.expect("looked for above"))
 }

@@ -94,7 +94,12 @@ impl Model {
             let mut dof = self.dofs[index].clone();
             for key in body.joint.kind().keys {
                 let value = *(key.of)(&mut dof);
-                if key.form == Form::Finite && value.is_finite() {
+                let written = match key.form {
+                    Form::Degrees => false,
+                    Form::Finite => value.is_finite(),
+                    Form::NonZero => value != 0.0,
+                };
+                if written {
                     table.push(key.name, value);
                 }
             }

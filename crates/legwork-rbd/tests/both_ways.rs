@@ -45,12 +45,13 @@ proptest! {
         let mut inverse = InverseDynamics::new(&model);
         let mut tau = vec![0.0; model.nv()];
         inverse.solve(&model, &dynamics, &vdot, &vec![0.0; rho.len()], &mut tau);
-        let textbook = rnea(&model, &q, &v, &vdot, model.gravity) + &dynamics.damping;
+        let textbook = rnea(&model, &q, &v, &vdot, model.gravity) + &dynamics.damping + &dynamics.elastic;
         assert_close("textbook", &tau, textbook.as_slice(), 1e-11);
 
         inverse.solve(&model, &dynamics, &vdot, &rho, &mut tau);
         dynamics.update(&model, &q, &v);
         let by_matrix = &dynamics.mass_matrix * DVector::from_vec(vdot) + &dynamics.bias + &dynamics.damping
+            + &dynamics.elastic
             - dynamics.contact_jacobian.transpose() * DVector::from_vec(rho);
         assert_close("by M", &tau, by_matrix.as_slice(), 1e-11);
     }
@@ -62,7 +63,7 @@ proptest! {
         prop_assert!(ForwardDynamics::new(&model).solve(&model, &dynamics, &tau, &rho, &mut vdot));
         InverseDynamics::new(&model).solve(&model, &dynamics, &vdot, &rho, &mut again);
         // Forces cancel to reach tau: what they are rounded against is the largest of them.
-        let largest = (&dynamics.bias + &dynamics.damping).amax().max((&dynamics.mass_matrix * DVector::from_vec(vdot)).amax());
+        let largest = (&dynamics.bias + &dynamics.damping + &dynamics.elastic).amax().max((&dynamics.mass_matrix * DVector::from_vec(vdot)).amax());
         assert_close("tau", &again, &tau, 1e-10 * largest.max(1.0));
     }
 }

@@ -56,6 +56,8 @@ fn check(model: &Model, q: &[f64], v: &[f64]) {
     assert_close("CoM Jacobian", dynamics.com_jacobian.as_slice(), com.as_slice(), TOLERANCE);
     let potential = jacobian(model, q, |d| vec![d.potential_energy]);
     assert_close("G", dynamics.gravity.as_slice(), potential.as_slice(), TOLERANCE);
+    let elastic = jacobian(model, q, |d| vec![d.elastic_energy]);
+    assert_close("elastic", dynamics.elastic.as_slice(), elastic.as_slice(), TOLERANCE);
     // ω from Ṙ Rᵀ = [ω]×, column by column of the torso's Jacobian
     let R = dynamics.world_from_body[model.torso].rotation;
     let turning = jacobian(model, q, |d| d.world_from_body[model.torso].rotation.as_slice().to_vec());

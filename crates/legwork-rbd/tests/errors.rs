@@ -128,6 +128,20 @@ fn joints_and_limits() {
 }
 
 #[test]
+fn springs_and_stops() {
+    let joint = |keys: &str| toml_error("damping_nmspr = 0.1", keys);
+    says(&joint("spring_nmpr = -1"), &["robot.toml:18: joint \"shoulder\": the spring's stiffness -1 is negative"]);
+    says(&joint("spring_nmpr = inf"), &["joint \"shoulder\": spring_nmpr is inf"]);
+    says(&joint("rest_deg = 5"), &["a rest position without a spring"]);
+    says(&joint("spring_nmpr = 1\nrest_deg = 5\nrest_rad = 1"), &["rest_deg and rest_rad are both given"]);
+    says(&joint("spring_npm = 1"), &["spring_npm has no meaning for a revolute joint; valid are", "spring_nmpr"]);
+    says(&joint("stop_nmpr = 1"), &["a stop without an end of the range; give lower or upper"]);
+    says(&joint("upper_deg = 9\nstop_nmpr = -1"), &["the stop's stiffness -1 is negative"]);
+    says(&joint("upper_deg = 9\nstop_nmpr = 1\nstop_damping_nmspr = -1"), &["the stop's damping -1 is negative"]);
+    says(&joint("upper_deg = 9\nstop_damping_nmspr = 1"), &["a stop's damping without its stiffness"]);
+}
+
+#[test]
 fn names() {
     says(
         &toml_error("name = \"lower\"", "name = \"upper\""),
@@ -310,6 +324,15 @@ fn side_files() {
     says(&side_error("gravity_mps2 = inf"), &["robot.legwork.toml: gravity_mps2: inf"]);
     let contact = "\ncontacts = [{ name = \"c\", body = \"hand\", position_m = [0, 0, 0] }]";
     says(&side_error(contact), &["robot.legwork.toml:2: contact \"c\": unknown body \"hand\""]);
+    says(
+        &side_error("[joints.hip]\nspring_nmpr = 1"),
+        &["robot.legwork.toml:1: joints: unknown joint \"hip\"; valid are right_haa"],
+    );
+    says(
+        &side_error("joints.right_haa = { spring_nmpr = -1 }"),
+        &["robot.legwork.toml:1: joint \"right_haa\": the spring's stiffness -1 is negative"],
+    );
+    says(&side_error("joints.right_haa = { spring = 1 }"), &["robot.legwork.toml:1: unknown field `spring`, expected"]);
     let crossed = "base = \"planar\"\nbase_pitch = { lower_deg = 10, upper_deg = -10 }";
     says(&side_error(crossed), &["base_pitch: limits are crossed"]);
 }

@@ -217,6 +217,39 @@ fn side_file_names_motors() {
 }
 
 #[test]
+fn springs_and_stops_come_from_either_format() {
+    let keys = "spring_nmpr = 20\nrest_deg = 30\nstop_nmpr = 1000\nstop_damping_nmspr = 5";
+    let text = PENDULUM_TOML.replace("damping_nmspr = 0.2", &format!("damping_nmspr = 0.2\n{keys}"));
+    let toml = Model::from_toml(&text, "p.toml").unwrap();
+    let side = format!("{PENDULUM_SIDE}\n[joints.elbow]\n{keys}");
+    let urdf = Model::from_urdf(PENDULUM_URDF, "p.urdf", Some((&side, "p.legwork.toml")), None).unwrap();
+    assert_eq!(toml.dofs, urdf.dofs);
+    assert_eq!(toml, Model::from_toml(&toml.to_toml(), "again.toml").unwrap());
+
+    // elbow: 0.5 rad beyond its end at 2.5 rad, on the way out, fast out, on the way back, fast back
+    let mut dynamics = Dynamics::new(&toml);
+    let mut at = |q: f64, v: f64| {
+        dynamics.update(&toml, &[0.0, q], &[0.0, v]);
+        (dynamics.elastic[1], dynamics.damping[1], dynamics.elastic_energy)
+    };
+    let rest = 30.0_f64.to_radians();
+    let spring = |q: f64| (20.0 * (q - rest), 10.0 * (q - rest) * (q - rest));
+    let (force, energy) = spring(2.0);
+    assert_eq!(at(2.0, 1.0), (force, 0.2, energy));
+    for sign in [1.0, -1.0] {
+        let q = sign * 3.0;
+        let (force, energy) = spring(q);
+        for (v, stop_damping) in [(2.0, 10.0), (-2.0, -10.0), (-99.0, -495.0), (-101.0, -500.0)] {
+            let (elastic, damping, stored) = at(q, sign * v);
+            assert_close("elastic", &[elastic], &[force + sign * 500.0], 1e-15);
+            assert_close("energy", &[stored], &[energy + 125.0], 1e-15);
+            // The damper of the stop never makes it pull.
+            assert_close("damping", &[damping], &[sign * (0.2 * v + stop_damping)], 1e-15);
+        }
+    }
+}
+
+#[test]
 fn frames_and_links_are_found_by_name() {
     let side = "frames = [{ name = \"handle\", body = \"lower\", position_m = [0.1, 0, -0.4], rpy_deg = [0, 0, 90] }]";
     let side = Some((side, "p.legwork.toml"));

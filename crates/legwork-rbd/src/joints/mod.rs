@@ -55,6 +55,8 @@ pub(crate) enum Form {
     Degrees,
     /// Written where it is finite.
     Finite,
+    /// Written where it is not zero.
+    NonZero,
 }
 
 const fn key(name: &'static str, of: fn(&mut Dof) -> &mut f64, form: Form) -> Key {

@@ -21,6 +21,11 @@ const KEYS: &[Key] = &[
     key("max_velocity_radps", |dof| &mut dof.velocity_limit, Form::Finite),
     key("max_torque_nm", |dof| &mut dof.effort_limit, Form::Finite),
     key("damping_nmspr", |dof| &mut dof.damping, Form::Finite),
+    key("spring_nmpr", |dof| &mut dof.stiffness, Form::NonZero),
+    key("rest_deg", |dof| &mut dof.rest, Form::Degrees),
+    key("rest_rad", |dof| &mut dof.rest, Form::NonZero),
+    key("stop_nmpr", |dof| &mut dof.stop_stiffness, Form::NonZero),
+    key("stop_damping_nmspr", |dof| &mut dof.stop_damping, Form::NonZero),
 ];
 
 impl JointType for Revolute {

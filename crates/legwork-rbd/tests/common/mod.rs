@@ -59,7 +59,7 @@ impl Random {
     }
 }
 
-/// The TOML text of a random tree with `bodies` bodies: every kind of joint, any axes and origins that the base allows, four contacts, three frames.
+/// The TOML text of a random tree with `bodies` bodies: every kind of joint, any axes and origins that the base allows, dampers, springs, stops, four contacts, three frames.
 pub fn random_tree(seed: u64, bodies: usize, base: Base) -> String {
     let mut random = Random(seed);
     let name = match base {
@@ -88,11 +88,27 @@ pub fn random_tree(seed: u64, bodies: usize, base: Base) -> String {
             axis = if kind == "revolute" { [0.0, axis[1].signum(), 0.0] } else { [axis[0], 0.0, axis[2]] };
         }
         writeln!(text, "type = \"{kind}\"\naxis = {axis:?}\norigin_rpy_deg = {rpy:?}").unwrap();
-        let damping = random.between(0.0, 3.0);
-        match kind {
-            "revolute" => writeln!(text, "damping_nmspr = {damping}").unwrap(),
-            "prismatic" => writeln!(text, "damping_nspm = {damping}").unwrap(),
-            _ => {}
+        let (turning, length) = match kind {
+            "revolute" => ("nm", "rad"),
+            "prismatic" => ("n", "m"),
+            _ => continue,
+        };
+        let per = &length[..1];
+        writeln!(text, "damping_{turning}sp{per} = {}", random.between(0.0, 3.0)).unwrap();
+        if random.below(2) == 0 {
+            let (stiffness, rest) = (random.between(1.0, 50.0), random.between(-1.0, 1.0));
+            writeln!(text, "spring_{turning}p{per} = {stiffness}\nrest_{length} = {rest}").unwrap();
+        }
+        if random.below(2) == 0 {
+            let (end, stiffness, damping) =
+                (random.between(0.1, 1.0), random.between(10.0, 500.0), random.between(0.0, 50.0));
+            let end = if random.below(2) == 0 {
+                format!("lower_{length} = -{end}")
+            } else {
+                format!("upper_{length} = {end}")
+            };
+            writeln!(text, "{end}\nstop_{turning}p{per} = {stiffness}\nstop_damping_{turning}sp{per} = {damping}")
+                .unwrap();
         }
     }
     for k in 0..4 {
