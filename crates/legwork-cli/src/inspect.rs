@@ -68,7 +68,7 @@ fn read_state(path: &Path, model: &Model) -> Result<State, Error> {
             return Err(Error::invalid(format!("{place}: {key}[{index}]"), problem));
         }
     }
-    for body in model.bodies.iter().filter(|body| matches!(body.joint, Joint::Floating)) {
+    for body in model.bodies.iter().filter(|body| matches!(body.joint, Joint::Floating(_))) {
         let norm = state.q[body.q_index..body.q_index + 4].iter().map(|value| value * value).sum::<f64>().sqrt();
         if (norm - 1.0).abs() > UNIT_TOLERANCE {
             let place = format!("{place}: q[{}..{}]", body.q_index, body.q_index + 4);
@@ -88,7 +88,7 @@ fn model_json(model: &Model) -> Map<String, Value> {
                 "name": body.name,
                 "parent": body.parent.map(|parent| model.bodies[parent].name.clone()),
                 "joint": body.joint_name,
-                "joint_type": joint_type(&body.joint),
+                "joint_type": body.joint.type_name(),
                 "mass_kg": body.mass,
                 "com_m": vector(&body.com),
                 "inertia_kgm2": (0..3).map(|i| vector(&body.inertia.row(i).transpose())).collect::<Vec<_>>(),
@@ -209,15 +209,6 @@ fn row_names<'a>(kind: &'a str, axes: &'a [Vector3<f64>]) -> impl Iterator<Item 
     })
 }
 
-fn joint_type(joint: &Joint) -> &'static str {
-    match joint {
-        Joint::Fixed => "fixed",
-        Joint::Revolute { .. } => "revolute",
-        Joint::Prismatic { .. } => "prismatic",
-        Joint::Floating => "floating",
-    }
-}
-
 fn model_text(model: &Model) -> String {
     let headline = format!(
         "{}: {} base, {} degrees of freedom ({} actuated), {:.3} kg, gravity {} m/s²",
@@ -232,7 +223,7 @@ fn model_text(model: &Model) -> String {
     for (index, body) in model.bodies.iter().enumerate() {
         let depth = std::iter::successors(model.bodies[index].parent, |&parent| model.bodies[parent].parent).count();
         let name = format!("{}{}", "  ".repeat(depth), body.name);
-        text += &format!("  {name:<36} {:>9.3} kg   by {} ({})\n", body.mass, body.joint_name, joint_type(&body.joint));
+        text += &format!("  {name:<36} {:>9.3} kg   by {} ({})\n", body.mass, body.joint_name, body.joint.type_name());
     }
     text += &format!("\n{:<24}{:>12}{:>12}{:>11}{:>9}\n", "joints", "lower", "upper", "max effort", "damping");
     for dof in &model.dofs {

@@ -2,23 +2,20 @@
 
 use nalgebra::Matrix3;
 
-use crate::assemble::{FLOATING_BASE, PLANAR_BASE};
-use crate::description::{BodyDescription, Description};
+use crate::base::Base;
+use crate::description::{BodyDescription, Description, JointDescription};
 use crate::dynamics::Dynamics;
 use crate::error::ModelError;
-use crate::joint::{Base, Joint, Placement};
-use crate::model::Model;
+use crate::model::{Dof, Model};
+use crate::spatial::Placement;
 
 impl Description {
     pub(crate) fn check_names(&self) -> Result<(), ModelError> {
         if self.bodies.is_empty() {
             return Err(self.invalid(None, "bodies", "none; a robot has at least one body with mass"));
         }
-        let reserved: &[&str] = match self.base {
-            Base::Fixed => &[],
-            Base::Planar => &PLANAR_BASE,
-            Base::Floating => &FLOATING_BASE,
-        };
+        let reserved = self.base.coordinates();
+        let virtual_bodies = reserved.len().saturating_sub(1);
         for (i, body) in self.bodies.iter().enumerate() {
             let (subject, joint) = (format!("body {:?}", body.name), &body.joint);
             if body.name.trim().is_empty() {
@@ -35,11 +32,11 @@ impl Description {
                 let problem = "the name is given twice; joint names must differ";
                 return Err(self.invalid(joint.line, format!("joint {:?}", joint.name), problem));
             }
-            if reserved.contains(&joint.name.as_str()) && body.parent.is_some() {
+            if reserved.contains(&joint.name) && body.parent.is_some() {
                 let problem = format!("the name belongs to the base's own coordinates ({})", reserved.join(", "));
                 return Err(self.invalid(joint.line, format!("joint {:?}", joint.name), problem));
             }
-            if self.base == Base::Planar && PLANAR_BASE[..2].contains(&body.name.as_str()) {
+            if self.base == Base::Planar && reserved[..virtual_bodies].contains(&body.name) {
                 return Err(self.invalid(body.line, subject, "the name belongs to the planar base's virtual bodies"));
             }
         }
@@ -78,25 +75,8 @@ impl Description {
     fn check_joint(&self, body: &BodyDescription) -> Result<(), ModelError> {
         let joint = &body.joint;
         let (subject, line) = (format!("joint {:?}", joint.name), joint.line.or(body.line));
-        if joint.lower > joint.upper {
-            let limit = |value: f64| match joint.kind {
-                Joint::Revolute { .. } => format!("{value:.6} rad ({:.2} deg)", value.to_degrees()),
-                _ => format!("{value} m"),
-            };
-            let (lower, upper) = (limit(joint.lower), limit(joint.upper));
-            let problem = format!("limits are crossed: lower {lower} is above upper {upper}");
-            return Err(self.invalid(line, subject, problem));
-        }
-        for (what, limit) in [("velocity", joint.velocity_limit), ("effort", joint.effort_limit)] {
-            if limit <= 0.0 {
-                let problem = format!("{what} limit {limit} is not positive; leave it out for no limit");
-                return Err(self.invalid(line, subject, problem));
-            }
-        }
-        if joint.damping < 0.0 {
-            return Err(self.invalid(line, subject, format!("damping {} is negative", joint.damping)));
-        }
-        if body.parent.is_none() && joint.kind != Joint::Fixed {
+        joint.check_numbers().map_err(|problem| self.invalid(line, &subject, problem))?;
+        if body.parent.is_none() && joint.kind.nv() > 0 {
             let problem = format!("body {:?} has no parent, so its joint is the base's; name a parent", body.name);
             return Err(self.invalid(line, subject, problem));
         }
@@ -184,6 +164,45 @@ impl Description {
                                use base = \"floating\", or fix the joint";
                 return Err(self.invalid(line, subject, problem));
             }
+        }
+        Ok(())
+    }
+}
+
+impl JointDescription {
+    /// What is impossible about the numbers of its coordinate, which are known to be finite.
+    pub(crate) fn check_numbers(&self) -> Result<(), String> {
+        let Dof { lower, upper, stiffness, rest, stop_stiffness, stop_damping, .. } = self.dof;
+        if lower > upper {
+            let limit = |value: f64| match self.kind.kind().velocities {
+                [(_, true)] => format!("{value:.6} rad ({:.2} deg)", value.to_degrees()),
+                _ => format!("{value} m"),
+            };
+            return Err(format!("limits are crossed: lower {} is above upper {}", limit(lower), limit(upper)));
+        }
+        for (what, limit) in [("velocity", self.dof.velocity_limit), ("effort", self.dof.effort_limit)] {
+            if limit <= 0.0 {
+                return Err(format!("{what} limit {limit} is not positive; leave it out for no limit"));
+            }
+        }
+        for (what, value) in [
+            ("damping", self.dof.damping),
+            ("the spring's stiffness", stiffness),
+            ("the stop's stiffness", stop_stiffness),
+            ("the stop's damping", stop_damping),
+        ] {
+            if value < 0.0 {
+                return Err(format!("{what} {value} is negative"));
+            }
+        }
+        if rest != 0.0 && stiffness == 0.0 {
+            return Err("a rest position without a spring; give the spring's stiffness as well, or neither".to_owned());
+        }
+        if stop_damping != 0.0 && stop_stiffness == 0.0 {
+            return Err("a stop's damping without its stiffness; give the stiffness as well, or neither".to_owned());
+        }
+        if stop_stiffness != 0.0 && lower.is_infinite() && upper.is_infinite() {
+            return Err("a stop without an end of the range; give lower or upper as well".to_owned());
         }
         Ok(())
     }

@@ -2,10 +2,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::base::Base;
 use crate::error::ModelError;
-use crate::joint::{Base, Joint, Placement};
-use crate::model::Model;
+use crate::joints::Joint;
+use crate::model::{Dof, Model};
 use crate::oddities::oddities;
+use crate::spatial::Placement;
 
 /// What a file says, in SI units, before any check across entries.
 pub(crate) struct Description {
@@ -19,8 +21,9 @@ pub(crate) struct Description {
     pub(crate) feet: Option<Vec<String>>,
     pub(crate) bodies: Vec<BodyDescription>,
     pub(crate) contacts: Vec<ContactDescription>,
+    pub(crate) frames: Vec<FrameDescription>,
     pub(crate) warnings: Vec<String>,
-    /// Where torso, contacts and feet come from: the file itself, or the one beside a URDF.
+    /// Where torso, contacts, feet and frames come from: the file itself, or the one beside a URDF.
     pub(crate) side_file: String,
 }
 
@@ -38,12 +41,8 @@ pub(crate) struct JointDescription {
     pub(crate) name: String,
     pub(crate) kind: Joint,
     pub(crate) placement: Placement,
-    pub(crate) lower: f64,
-    pub(crate) upper: f64,
-    pub(crate) velocity_limit: f64,
-    pub(crate) effort_limit: f64,
-    pub(crate) damping: f64,
-    pub(crate) actuated: bool,
+    /// Limits, damping and motor of its coordinate.
+    pub(crate) dof: Dof,
     pub(crate) line: Option<usize>,
 }
 
@@ -52,6 +51,13 @@ pub(crate) struct ContactDescription {
     pub(crate) body: String,
     pub(crate) position: Vector3<f64>,
     pub(crate) foot: String,
+    pub(crate) line: Option<usize>,
+}
+
+pub(crate) struct FrameDescription {
+    pub(crate) name: String,
+    pub(crate) body: String,
+    pub(crate) placement: Placement,
     pub(crate) line: Option<usize>,
 }
 
@@ -89,6 +95,7 @@ impl Description {
         self.check_motion(&model)?;
         self.add_contacts(&mut model)?;
         self.add_torso(&mut model)?;
+        self.add_frames(&mut model)?;
         let mut warnings = std::mem::take(&mut self.warnings);
         warnings.extend(oddities(&model));
         model.warnings = warnings;
@@ -110,17 +117,6 @@ impl Description {
 impl JointDescription {
     /// A joint without limits, damping or motor.
     pub(crate) fn new(name: String, kind: Joint, placement: Placement) -> Self {
-        Self {
-            name,
-            kind,
-            placement,
-            lower: f64::NEG_INFINITY,
-            upper: f64::INFINITY,
-            velocity_limit: f64::INFINITY,
-            effort_limit: f64::INFINITY,
-            damping: 0.0,
-            actuated: false,
-            line: None,
-        }
+        Self { name, kind, placement, dof: Dof::free(), line: None }
     }
 }

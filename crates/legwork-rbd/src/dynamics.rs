@@ -2,9 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use crate::joint::{Joint, Placement};
 use crate::model::Model;
-use crate::spatial::{Force, Inertia, Motion};
+use crate::spatial::{Force, Inertia, Motion, Placement};
 
 /// The end of a chain of velocity coordinates.
 pub(crate) const NONE: usize = usize::MAX;
@@ -12,7 +11,7 @@ pub(crate) const NONE: usize = usize::MAX;
 /// Every dynamic quantity of one state (q, v), and all scratch. Valid after [`Dynamics::update`].
 ///
 /// nv: velocity coordinates; nc: contact points; d: linear axes (2 in the plane, 3 in space); r: angular and linear axes
-/// (3 or 6). The equation of motion reads `M v̇ + bias + damping = Sᵀ τ + Jᵀ ρ`.
+/// (3 or 6). The equation of motion reads `M v̇ + bias + damping + elastic = Sᵀ τ + Jᵀ ρ`.
 #[derive(Clone, Debug)]
 pub struct Dynamics {
     /// M (nv × nv), symmetric, SI units.
@@ -21,8 +20,10 @@ pub struct Dynamics {
     pub bias: DVector<f64>,
     /// G (nv) [Nm or N]: what holds the robot at rest.
     pub gravity: DVector<f64>,
-    /// B v (nv) [Nm or N]: it opposes the motion, on the side of `bias`.
+    /// B v (nv) [Nm or N], with the dampers of stops that a joint is at: it opposes the motion, on the side of `bias`.
     pub damping: DVector<f64>,
+    /// K (q − rest), and what stops push with (nv) [Nm or N]: the gradient of `elastic_energy`, on the side of `bias`.
+    pub elastic: DVector<f64>,
     /// The centre of mass [m].
     pub com: Vector3<f64>,
     /// Its velocity [m/s].
@@ -54,6 +55,8 @@ pub struct Dynamics {
     pub kinetic_energy: f64,
     /// [J], zero with the centre of mass at z = 0.
     pub potential_energy: f64,
+    /// [J], in the springs and stops of the joints.
+    pub elastic_energy: f64,
 
     /// The point all that follows refers to: the root link's origin in the world.
     pub(crate) reference: Vector3<f64>,
@@ -68,10 +71,12 @@ pub struct Dynamics {
     pub(crate) composite: Vec<Inertia>,
     pub(crate) force: Vec<Force>,
     pub(crate) momentum: Force,
+    /// The elastic force of each coordinate's stop.
+    pub(crate) stop_force: Vec<f64>,
     /// For each velocity coordinate the next one toward the base.
     pub(crate) parent_dof: Vec<usize>,
     /// For each body the outermost velocity coordinate that moves it.
-    last_dof: Vec<usize>,
+    pub(crate) last_dof: Vec<usize>,
     /// The torso's coordinates in the plane, with the sign of their axes against −y.
     torso_chain: Vec<(usize, f64)>,
     /// The sum of their angles.
@@ -91,6 +96,7 @@ impl Dynamics {
             bias: DVector::zeros(nv),
             gravity: DVector::zeros(nv),
             damping: DVector::zeros(nv),
+            elastic: DVector::zeros(nv),
             com: Vector3::zeros(),
             com_velocity: Vector3::zeros(),
             com_jacobian: DMatrix::zeros(d, nv),
@@ -106,6 +112,7 @@ impl Dynamics {
             body_velocity: vec![Motion::zero(); nb],
             kinetic_energy: 0.0,
             potential_energy: 0.0,
+            elastic_energy: 0.0,
             reference: Vector3::zeros(),
             relative: vec![Placement::identity(); nb],
             velocity: vec![Motion::zero(); nb],
@@ -116,6 +123,7 @@ impl Dynamics {
             composite: vec![Inertia::zero(); nb],
             force: vec![Force::zero(); nb],
             momentum: Force::zero(),
+            stop_force: vec![0.0; nv],
             parent_dof,
             last_dof,
             torso_chain,
@@ -137,7 +145,7 @@ impl Dynamics {
     }
 
     /// The first stage of [`Dynamics::update`]: only what the position `q` (nq) decides and an equation of motion needs,
-    /// that is `mass_matrix`, `gravity`, `world_from_body`, `contact_positions` and the motion subspaces.
+    /// that is `mass_matrix`, `gravity`, `elastic` and its energy, `world_from_body`, `contact_positions` and the motion subspaces.
     ///
     /// # Panics
     /// As [`Dynamics::update`].
@@ -152,6 +160,7 @@ impl Dynamics {
         self.inertias(model);
         self.mass_matrix(model);
         self.gravity(model);
+        self.springs(model, q);
     }
 
     /// The second stage: what the velocity `v` (nv) adds at the latest position, that is `bias`, `damping`,
@@ -180,25 +189,6 @@ impl Dynamics {
         libm::atan2(x.z, libm::hypot(x.x, x.y))
     }
 
-    /// The Jacobian (d × nv) of a point that is fixed to `body` and now at `world_point` [m], written to `out`.
-    ///
-    /// # Panics
-    /// If `out` has a wrong shape.
-    pub fn point_jacobian(&self, model: &Model, body: usize, world_point: &Vector3<f64>, out: &mut DMatrix<f64>) {
-        let axes = model.linear_axes();
-        assert_eq!(out.shape(), (axes.len(), model.nv()), "shape of the point's Jacobian");
-        let at = world_point - self.reference;
-        out.fill(0.0);
-        let mut j = self.last_dof[body];
-        while j != NONE {
-            let column = self.subspace[j].linear_at(&at);
-            for (r, axis) in axes.iter().enumerate() {
-                out[(r, j)] = axis.dot(&column);
-            }
-            j = self.parent_dof[j];
-        }
-    }
-
     /// The generalised force of `force` [N] on a point that is fixed to `body` and now at `world_point` [m], added to
     /// `out` (nv). Of the latest position.
     pub fn add_point_force(&self, body: usize, world_point: &Vector3<f64>, force: &Vector3<f64>, out: &mut [f64]) {
@@ -216,74 +206,6 @@ impl Dynamics {
         for (value, momentum) in out.iter_mut().zip(&self.subspace_momentum) {
             *value += momentum.linear.dot(force) / mass;
         }
-    }
-
-    /// The velocity coordinates that move `body`, from the base outward.
-    #[must_use]
-    pub fn chain(&self, body: usize) -> Vec<usize> {
-        let mut chain = Vec::new();
-        let mut j = self.last_dof[body];
-        while j != NONE {
-            chain.push(j);
-            j = self.parent_dof[j];
-        }
-        chain.reverse();
-        chain
-    }
-
-    /// How a point moves that is fixed to what coordinate `j` moves and now at `world_point` [m], at unit speed of `j`:
-    /// angular, and linear at the point. Of the latest position.
-    #[inline]
-    #[must_use]
-    pub fn unit_motion(&self, j: usize, world_point: &Vector3<f64>) -> Motion {
-        let s = &self.subspace[j];
-        Motion { angular: s.angular, linear: s.linear_at(&(world_point - self.reference)) }
-    }
-
-    /// The angular velocity of `body`, and the velocity of its point that is now at `world_point` [m].
-    #[inline]
-    #[must_use]
-    pub fn motion_at(&self, body: usize, world_point: &Vector3<f64>) -> Motion {
-        let velocity = &self.velocity[body];
-        Motion { angular: velocity.angular, linear: velocity.linear_at(&(world_point - self.reference)) }
-    }
-
-    /// The velocity [m/s] of a point that is fixed to `body` and now at `world_point` [m].
-    #[must_use]
-    pub fn point_velocity(&self, body: usize, world_point: &Vector3<f64>) -> Vector3<f64> {
-        self.velocity[body].linear_at(&(world_point - self.reference))
-    }
-
-    /// The acceleration [m/s²] at v̇ = 0, that is J̇ v, of a point that is fixed to `body` and now at `world_point` [m].
-    #[must_use]
-    pub fn point_bias(&self, body: usize, world_point: &Vector3<f64>) -> Vector3<f64> {
-        let at = world_point - self.reference;
-        let velocity = &self.velocity[body];
-        // From the spatial to the point's own acceleration: + ω × (velocity of the point). Featherstone 2008, (2.48)
-        self.acceleration[body].linear_at(&at) + velocity.angular.cross(&velocity.linear_at(&at))
-    }
-
-    /// The Jacobian (angular axes × nv) of a body's angular velocity, written to `out`.
-    ///
-    /// # Panics
-    /// If `out` has a wrong shape.
-    pub fn angular_jacobian(&self, model: &Model, body: usize, out: &mut DMatrix<f64>) {
-        let axes = model.angular_axes();
-        assert_eq!(out.shape(), (axes.len(), model.nv()), "shape of the angular Jacobian");
-        out.fill(0.0);
-        let mut j = self.last_dof[body];
-        while j != NONE {
-            for (r, axis) in axes.iter().enumerate() {
-                out[(r, j)] = axis.dot(&self.subspace[j].angular);
-            }
-            j = self.parent_dof[j];
-        }
-    }
-
-    /// The angular acceleration [rad/s²] of a body at v̇ = 0, that is J̇ v of its angular velocity.
-    #[must_use]
-    pub fn angular_bias(&self, body: usize) -> Vector3<f64> {
-        self.acceleration[body].angular
     }
 
     fn contacts(&mut self, model: &Model) {
@@ -358,7 +280,7 @@ fn planar_chain(model: &Model, body: usize, parent_dof: &[usize], last_dof: &[us
     let mut j = last_dof[body];
     while j != NONE {
         let mover = &model.bodies[model.dofs[j].body];
-        if let Joint::Revolute { axis } = &mover.joint {
+        if let Some(axis) = mover.joint.axis().filter(|_| model.dofs[j].rotational) {
             let axis_world = rotations[model.dofs[j].body] * axis.as_ref();
             chain.push((mover.q_index, -axis_world.y.signum()));
         }

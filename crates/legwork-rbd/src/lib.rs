@@ -38,20 +38,26 @@
 //! visible within seconds. What remains (add, multiply, divide, square root) is fixed by IEEE 754.
 //!
 //! # Sources
-//! R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008 (recursive Newton-Euler, composite rigid bodies).
+//! R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008 (recursive Newton-Euler, composite rigid bodies,
+//! articulated bodies).
 //! D. E. Orin, A. Goswami, S.-H. Lee, *Centroidal dynamics of a humanoid robot*, Autonomous Robots 35, 2013.
 
 // M, A, J are the field's names.
 #![allow(non_snake_case)]
 
 mod assemble;
+mod base;
 mod bias;
 mod centroidal;
 mod check;
 mod description;
 mod dynamics;
+mod elastic;
 mod error;
-mod joint;
+mod forward_dynamics;
+mod frame;
+mod inverse_dynamics;
+mod joints;
 mod kinematics;
 mod mass_matrix;
 mod model;
@@ -60,12 +66,17 @@ mod oddities;
 mod read;
 mod read_toml;
 mod spatial;
+mod table;
 mod urdf;
 mod urdf_text;
 mod write;
 
+pub use base::Base;
 pub use dynamics::Dynamics;
 pub use error::ModelError;
-pub use joint::{Base, Joint, Placement};
+pub use forward_dynamics::ForwardDynamics;
+pub use frame::Frame;
+pub use inverse_dynamics::InverseDynamics;
+pub use joints::{Fixed, Floating, Joint, Prismatic, Revolute};
 pub use model::{Body, ContactPoint, Dof, Model};
-pub use spatial::{Force, Inertia, Motion};
+pub use spatial::{Force, Inertia, Motion, Placement};

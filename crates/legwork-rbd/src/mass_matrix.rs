@@ -3,7 +3,6 @@
 use nalgebra::Matrix3;
 
 use crate::dynamics::{Dynamics, NONE};
-use crate::joint::Base;
 use crate::model::Model;
 use crate::spatial::Inertia;
 
@@ -33,18 +32,14 @@ impl Dynamics {
     pub(crate) fn mass_matrix(&mut self, model: &Model) {
         let nv = self.subspace.len();
         let M = self.mass_matrix.as_mut_slice();
-        // A floating base's subspace are the axes of its frame: rows 0 to 5 are the momentum's components along them.
-        let base = if model.base == Base::Floating { 6 } else { 0 };
-        let axes = self.relative[0].rotation;
+        // The first joint carries everything: its rows are filled at once.
+        let (first, frame) = (&model.bodies[0].joint, self.relative[0]);
+        let base = first.nv();
         for (j, (dof, subspace)) in model.dofs.iter().zip(&self.subspace).enumerate() {
             let momentum = self.composite[dof.body].momentum(subspace);
             self.subspace_momentum[j] = momentum;
             let column = &mut M[j * nv..(j + 1) * nv];
-            if base > 0 {
-                let (angular, linear) = (axes.tr_mul(&momentum.angular), axes.tr_mul(&momentum.linear));
-                column[..3].copy_from_slice(angular.as_slice());
-                column[3..6].copy_from_slice(linear.as_slice());
-            }
+            first.generalised_force(&frame, &self.subspace, &momentum, column);
             let mut i = j;
             while i != NONE && i >= base {
                 column[i] = self.subspace[i].dot(&momentum);

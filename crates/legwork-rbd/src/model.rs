@@ -2,7 +2,10 @@
 
 use nalgebra::{DVector, Matrix3, Vector3};
 
-use crate::joint::{Base, Joint, Placement, integrate_floating};
+use crate::base::Base;
+use crate::frame::Frame;
+use crate::joints::Joint;
+use crate::spatial::Placement;
 
 /// A rigid body with the joint that carries it. The body's frame is the joint's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,7 +32,7 @@ pub struct Body {
     pub v_index: usize,
 }
 
-/// A velocity coordinate: its name and limits.
+/// A velocity coordinate: its name and limits, damper, spring and stops.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dof {
     /// The joint's name; of a base `base_x`, `base_z`, `base_pitch`, or `base_wx` … `base_wz`, `base_vx` … `base_vz`.
@@ -46,10 +49,39 @@ pub struct Dof {
     pub effort_limit: f64,
     /// Viscous damping [Nm s/rad or N s/m].
     pub damping: f64,
+    /// Stiffness of a spring at the joint [Nm/rad or N/m]; zero without one, and on a floating base.
+    pub stiffness: f64,
+    /// Where that spring is at rest [rad or m].
+    pub rest: f64,
+    /// Stiffness of the stops at `lower` and `upper` [Nm/rad or N/m]; zero where the joint moves freely through them.
+    pub stop_stiffness: f64,
+    /// Damping of the stops while the joint is beyond its end [Nm s/rad or N s/m].
+    pub stop_damping: f64,
     /// Whether it is an angle rather than a distance.
     pub rotational: bool,
     /// The body it moves, in [`Model::bodies`].
     pub body: usize,
+}
+
+impl Dof {
+    /// A coordinate without limits, damping, spring or motor; joint and body are not told yet.
+    pub(crate) fn free() -> Self {
+        Self {
+            name: String::new(),
+            actuated: false,
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            velocity_limit: f64::INFINITY,
+            effort_limit: f64::INFINITY,
+            damping: 0.0,
+            stiffness: 0.0,
+            rest: 0.0,
+            stop_stiffness: 0.0,
+            stop_damping: 0.0,
+            rotational: false,
+            body: 0,
+        }
+    }
 }
 
 /// A point of a body that may touch the ground.
@@ -83,6 +115,8 @@ pub struct Model {
     pub dofs: Vec<Dof>,
     /// In the order of the file.
     pub contacts: Vec<ContactPoint>,
+    /// Named places on bodies, in the order of the file. [`Model::frame`] finds them by name, and bodies too.
+    pub frames: Vec<Frame>,
     /// The feet's names, right before left in the project's own models.
     pub feet: Vec<String>,
     /// The body whose orientation is the robot's posture, in [`Model::bodies`].
@@ -101,7 +135,7 @@ impl Model {
     /// The number of position coordinates: `nv`, and one more on a floating base.
     #[must_use]
     pub fn nq(&self) -> usize {
-        self.dofs.len() + usize::from(self.base == Base::Floating)
+        self.bodies.last().map_or(0, |body| body.q_index + body.joint.nq())
     }
 
     /// The number of velocity coordinates.
@@ -163,8 +197,8 @@ impl Model {
     #[must_use]
     pub fn neutral(&self) -> DVector<f64> {
         let mut q = DVector::zeros(self.nq());
-        if self.base == Base::Floating {
-            q[0] = 1.0;
+        for body in &self.bodies {
+            body.joint.neutral(&mut q.as_mut_slice()[body.q_index..]);
         }
         q
     }
@@ -178,23 +212,18 @@ impl Model {
     /// If a slice has a wrong length.
     pub fn integrate(&self, q: &[f64], v: &[f64], dt: f64, out: &mut [f64]) {
         assert_eq!((q.len(), v.len(), out.len()), (self.nq(), self.nv(), self.nq()), "lengths of q, v, out");
-        let (mut from_q, mut from_v) = (0, 0);
-        if self.base == Base::Floating {
-            integrate_floating(q, v, dt, out);
-            (from_q, from_v) = (7, 6);
-        }
-        for ((out, q), v) in out[from_q..].iter_mut().zip(&q[from_q..]).zip(&v[from_v..]) {
-            *out = q + v * dt;
+        for body in &self.bodies {
+            body.joint.integrate(&q[body.q_index..], &v[body.v_index..], dt, &mut out[body.q_index..]);
         }
     }
 
     /// The names of the position coordinates (nq).
     #[must_use]
     pub fn q_names(&self) -> Vec<String> {
-        const FLOATING: [&str; 7] = ["base_qw", "base_qx", "base_qy", "base_qz", "base_x", "base_y", "base_z"];
-        let base = if self.base == Base::Floating { &FLOATING[..] } else { &[] };
-        let skip = if self.base == Base::Floating { 6 } else { 0 };
-        base.iter().map(|name| (*name).to_owned()).chain(self.dofs[skip..].iter().map(|d| d.name.clone())).collect()
+        let names = |body: &Body| {
+            body.joint.kind().positions.iter().map(|suffix| format!("{}{suffix}", body.joint_name)).collect::<Vec<_>>()
+        };
+        self.bodies.iter().flat_map(names).collect()
     }
 
     /// The names of the velocity coordinates (nv).

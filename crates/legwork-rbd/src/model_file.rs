@@ -4,7 +4,8 @@ use serde::de::{MapAccess, Visitor, value::MapAccessDeserializer};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toml::Spanned;
 
-use crate::joint::Base;
+use crate::base::Base;
+use crate::table::Table;
 
 /// [m/s²], when a file gives none.
 pub(crate) const GRAVITY: f64 = 9.81;
@@ -21,6 +22,8 @@ pub(crate) struct ModelFile {
     pub(crate) bodies: Vec<Spanned<BodyEntry>>,
     #[serde(default)]
     pub(crate) contacts: Vec<Spanned<ContactEntry>>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(crate) frames: Vec<Spanned<FrameEntry>>,
 }
 
 /// Limits of the root link's angle in the plane.
@@ -41,7 +44,8 @@ pub(crate) struct BodyEntry {
     pub(crate) mass_kg: Option<f64>,
     pub(crate) com_m: Option<[f64; 3]>,
     pub(crate) inertia_kgm2: Option<InertiaEntry>,
-    pub(crate) joint: Option<Spanned<JointEntry>>,
+    /// Which keys it may have depends on the joint's type.
+    pub(crate) joint: Option<Spanned<Table>>,
 }
 
 /// A single number about y in a planar model, otherwise the six entries.
@@ -65,38 +69,6 @@ pub(crate) struct FullInertia {
     pub(crate) yz: f64,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum JointType {
-    Fixed,
-    Revolute,
-    Prismatic,
-}
-
-#[derive(Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct JointEntry {
-    pub(crate) name: String,
-    pub(crate) r#type: JointType,
-    pub(crate) axis: Option<[f64; 3]>,
-    pub(crate) origin_m: Option<[f64; 3]>,
-    pub(crate) origin_rpy_deg: Option<[f64; 3]>,
-    pub(crate) origin_rotation: Option<[[f64; 3]; 3]>,
-    pub(crate) lower_deg: Option<f64>,
-    pub(crate) upper_deg: Option<f64>,
-    pub(crate) lower_rad: Option<f64>,
-    pub(crate) upper_rad: Option<f64>,
-    pub(crate) lower_m: Option<f64>,
-    pub(crate) upper_m: Option<f64>,
-    pub(crate) max_velocity_radps: Option<f64>,
-    pub(crate) max_velocity_mps: Option<f64>,
-    pub(crate) max_torque_nm: Option<f64>,
-    pub(crate) max_force_n: Option<f64>,
-    pub(crate) damping_nmspr: Option<f64>,
-    pub(crate) damping_nspm: Option<f64>,
-    pub(crate) actuated: Option<bool>,
-}
-
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ContactEntry {
@@ -104,6 +76,16 @@ pub(crate) struct ContactEntry {
     pub(crate) body: String,
     pub(crate) position_m: [f64; 3],
     pub(crate) foot: Option<String>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct FrameEntry {
+    pub(crate) name: String,
+    pub(crate) body: String,
+    pub(crate) position_m: Option<[f64; 3]>,
+    pub(crate) rpy_deg: Option<[f64; 3]>,
+    pub(crate) rotation: Option<[[f64; 3]; 3]>,
 }
 
 impl<'de> Deserialize<'de> for InertiaEntry {

@@ -2,8 +2,8 @@
 
 use nalgebra::Matrix3;
 
+use crate::base::Base;
 use crate::check::{TRIANGLE, triangle_violation};
-use crate::joint::Base;
 use crate::model::Model;
 
 /// One sentence each.

@@ -5,8 +5,8 @@ use std::path::Path;
 use nalgebra::{Unit, Vector3};
 use serde::de::DeserializeOwned;
 
+use crate::base::Base;
 use crate::error::ModelError;
-use crate::joint::Base;
 use crate::model::Model;
 use crate::read_toml::read_toml;
 use crate::urdf::read_urdf;
@@ -61,8 +61,10 @@ impl Model {
     /// Reads a model from URDF, with what URDF cannot say from the TOML text `sidecar` (text, name).
     ///
     /// The side file's keys are all optional: `base` ("floating" if not given; the argument `base` overrides it), `torso`
-    /// (the root link), `gravity_mps2` (9.81), `base_pitch` (limits, planar base), `contacts` and `feet` as in a TOML
-    /// model, and either `actuated` or `passive`, a list of joints (every joint that moves is actuated).
+    /// (the root link), `gravity_mps2` (9.81), `base_pitch` (limits, planar base), `contacts`, `frames` and `feet` as in a TOML
+    /// model, either `actuated` or `passive`, a list of joints (every joint that moves is actuated), and `joints`, a table for
+    /// each joint to which it gives limits, a damper, a spring or stops by the keys of a TOML model:
+    /// `joints.left_ankle = { spring_nmpr = 200.0, rest_deg = 5.0 }`.
     ///
     /// Fixed joints are kept, as bodies that are rigidly attached. Continuous joints are revolute ones without limits. Meshes
     /// and other shapes, transmissions and Gazebo's elements are ignored; so is Coulomb friction, with a warning. As usual

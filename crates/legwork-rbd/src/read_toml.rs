@@ -3,14 +3,15 @@
 use nalgebra::Matrix3;
 use toml::Spanned;
 
-use crate::description::{BodyDescription, ContactDescription, Description, JointDescription};
+use crate::base::Base;
+use crate::description::{BodyDescription, ContactDescription, Description, FrameDescription, JointDescription};
 use crate::error::ModelError;
-use crate::joint::{Base, Joint, Placement, rotation_from_rpy};
-use crate::model::Model;
-use crate::model_file::{
-    BodyEntry, ContactEntry, GRAVITY, InertiaEntry, JointEntry, JointType, ModelFile, PitchLimits,
-};
+use crate::joints::{Fixed, Form, Joint, Kind};
+use crate::model::{Dof, Model};
+use crate::model_file::{BodyEntry, ContactEntry, FrameEntry, GRAVITY, InertiaEntry, ModelFile, PitchLimits};
 use crate::read::{Source, unit_axis};
+use crate::spatial::{Placement, rotation_from_rpy};
+use crate::table::Table;
 
 /// Reads a model; `base` overrides the file's own.
 pub(crate) fn read_toml(text: &str, file_name: &str, base: Option<Base>) -> Result<Model, ModelError> {
@@ -36,6 +37,7 @@ pub(crate) fn read_toml(text: &str, file_name: &str, base: Option<Base>) -> Resu
         feet: file.feet,
         bodies,
         contacts: contacts(&file.contacts, &source)?,
+        frames: frames(&file.frames, &source)?,
         warnings: Vec::new(),
         side_file: file_name.to_owned(),
     }
@@ -74,6 +76,18 @@ pub(crate) fn contacts(
             foot: contact.foot.clone().unwrap_or_else(|| contact.name.clone()),
             line,
         })
+    };
+    entries.iter().map(describe).collect()
+}
+
+pub(crate) fn frames(entries: &[Spanned<FrameEntry>], source: &Source) -> Result<Vec<FrameDescription>, ModelError> {
+    let describe = |entry: &Spanned<FrameEntry>| {
+        let (line, frame) = (source.line(entry.span().start), entry.get_ref());
+        let subject = format!("frame {:?}", frame.name);
+        let rotation = rotation(["rpy_deg", "rotation"], frame.rpy_deg, frame.rotation, source, line, &subject)?;
+        let translation = source.vector(line, &subject, "position_m", frame.position_m.unwrap_or_default())?;
+        let placement = Placement { rotation, translation };
+        Ok(FrameDescription { name: frame.name.clone(), body: frame.body.clone(), placement, line })
     };
     entries.iter().map(describe).collect()
 }
@@ -121,11 +135,8 @@ impl BodyEntry {
             }
         };
         let joint = match (&self.joint, &self.parent) {
-            (Some(joint), _) => {
-                let line = source.line(joint.span().start);
-                joint.get_ref().describe(source, line)?
-            }
-            (None, None) => JointDescription::new("base".to_owned(), Joint::Fixed, Placement::identity()),
+            (Some(table), _) => joint(table, source)?,
+            (None, None) => JointDescription::new("base".to_owned(), Joint::Fixed(Fixed), Placement::identity()),
             (None, Some(_)) => {
                 let problem = "has a parent but no joint; add joint = { name = …, type = \"revolute\", axis = … }";
                 return Err(source.invalid(line, subject, problem));
@@ -143,107 +154,103 @@ impl BodyEntry {
     }
 }
 
-impl JointEntry {
-    fn describe(&self, source: &Source, line: Option<usize>) -> Result<JointDescription, ModelError> {
-        let subject = format!("joint {:?}", self.name);
-        self.refuse_foreign_keys(source, line, &subject)?;
-        let kind = match (self.r#type, self.axis) {
-            (JointType::Fixed, _) => Joint::Fixed,
-            (_, None) => {
-                return Err(source.invalid(line, subject, "axis is missing, such as axis = [0, -1, 0]"));
-            }
-            (JointType::Revolute, Some(axis)) => Joint::Revolute { axis: unit_axis(source, line, &subject, axis)? },
-            (JointType::Prismatic, Some(axis)) => Joint::Prismatic { axis: unit_axis(source, line, &subject, axis)? },
-        };
-        let translation = source.vector(line, &subject, "origin_m", self.origin_m.unwrap_or_default())?;
-        let placement = Placement { rotation: self.rotation(source, line, &subject)?, translation };
-        let mut joint = JointDescription::new(self.name.clone(), kind, placement);
-        let finite = |value: Option<f64>, key: &str, otherwise: f64| match value {
-            Some(value) => source.finite(line, &subject, key, value),
-            None => Ok(otherwise),
-        };
-        let infinite = f64::INFINITY;
-        if self.r#type == JointType::Prismatic {
-            joint.lower = finite(self.lower_m, "lower_m", -infinite)?;
-            joint.upper = finite(self.upper_m, "upper_m", infinite)?;
-            joint.velocity_limit = finite(self.max_velocity_mps, "max_velocity_mps", infinite)?;
-            joint.effort_limit = finite(self.max_force_n, "max_force_n", infinite)?;
-            joint.damping = finite(self.damping_nspm, "damping_nspm", 0.0)?;
-        } else {
-            let angle = |deg, rad, key| angle(source, line, &subject, deg, rad, key);
-            joint.lower = angle(self.lower_deg, self.lower_rad, "lower")?.unwrap_or(-infinite);
-            joint.upper = angle(self.upper_deg, self.upper_rad, "upper")?.unwrap_or(infinite);
-            joint.velocity_limit = finite(self.max_velocity_radps, "max_velocity_radps", infinite)?;
-            joint.effort_limit = finite(self.max_torque_nm, "max_torque_nm", infinite)?;
-            joint.damping = finite(self.damping_nmspr, "damping_nmspr", 0.0)?;
-        }
-        joint.actuated = self.r#type != JointType::Fixed && self.actuated.unwrap_or(true);
-        joint.line = line;
-        Ok(joint)
-    }
+/// A joint from its table.
+fn joint(table: &Spanned<Table>, source: &Source) -> Result<JointDescription, ModelError> {
+    let line = source.line(table.span().start);
+    let mut table = table.get_ref().clone();
+    let missing = |key: &str| source.syntax(line, format!("missing field `{key}`"));
+    let name: String = table.take(source, "name")?.ok_or_else(|| missing("name"))?;
+    let subject = format!("joint {name:?}");
+    let type_line = table.keys(source).find(|(key, _)| *key == "type").and_then(|(_, line)| line);
+    let kind: String = table.take(source, "type")?.ok_or_else(|| missing("type"))?;
+    let types = || Kind::ALL.iter().filter(|kind| kind.read.is_some());
+    let Some(kind) = types().find(|known| known.name == kind) else {
+        let names: Vec<_> = types().map(|kind| format!("`{}`", kind.name)).collect();
+        let message = format!("unknown variant `{kind}`, expected one of {}", names.join(", "));
+        return Err(source.syntax(type_line, message));
+    };
+    let axis: Option<[f64; 3]> = table.take(source, "axis")?;
+    let axis = || match axis {
+        Some(axis) => unit_axis(source, line, &subject, axis),
+        None => Err(source.invalid(line, &subject, "axis is missing, such as axis = [0, -1, 0]")),
+    };
+    let read = kind.read.expect("found among those that can be read");
+    let origin: [f64; 3] = table.take(source, "origin_m")?.unwrap_or_default();
+    let translation = source.vector(line, &subject, "origin_m", origin)?;
+    let keys = ["origin_rpy_deg", "origin_rotation"];
+    let (rpy, rows) = (table.take(source, keys[0])?, table.take(source, keys[1])?);
+    let placement = Placement { rotation: rotation(keys, rpy, rows, source, line, &subject)?, translation };
+    let mut joint = JointDescription::new(name.clone(), read(&axis)?, placement);
+    let actuated = table.take(source, "actuated")?.unwrap_or(true);
+    joint.dof.actuated = actuated && joint.kind.nv() > 0;
+    joint.line = line;
+    numbers(&mut table, kind, &mut joint.dof, source, line, &subject)?;
+    Ok(joint)
+}
 
-    /// A limit of an angle on a sliding joint and the like: silently without effect if it were let through.
-    fn refuse_foreign_keys(&self, source: &Source, line: Option<usize>, subject: &str) -> Result<(), ModelError> {
-        let revolute = [
-            ("lower_deg", self.lower_deg),
-            ("upper_deg", self.upper_deg),
-            ("lower_rad", self.lower_rad),
-            ("upper_rad", self.upper_rad),
-            ("max_velocity_radps", self.max_velocity_radps),
-            ("max_torque_nm", self.max_torque_nm),
-            ("damping_nmspr", self.damping_nmspr),
-        ];
-        let prismatic = [
-            ("lower_m", self.lower_m),
-            ("upper_m", self.upper_m),
-            ("max_velocity_mps", self.max_velocity_mps),
-            ("max_force_n", self.max_force_n),
-            ("damping_nspm", self.damping_nspm),
-        ];
-        let list = |keys: &[(&str, Option<f64>)]| keys.iter().map(|key| key.0).collect::<Vec<_>>().join(", ");
-        let given = |keys: &[(&str, Option<f64>)]| keys.iter().find(|key| key.1.is_some()).map(|key| key.0.to_owned());
-        let (foreign, valid) = match self.r#type {
-            JointType::Revolute => (given(&prismatic), list(&revolute)),
-            JointType::Prismatic => (given(&revolute), list(&prismatic)),
-            JointType::Fixed => (given(&revolute).or_else(|| given(&prismatic)), "origin_m, origin_rpy_deg".to_owned()),
-        };
-        match foreign {
-            Some(key) => {
-                let kind = match self.r#type {
-                    JointType::Fixed => "fixed",
-                    JointType::Revolute => "revolute",
-                    JointType::Prismatic => "prismatic",
-                };
-                Err(source.invalid(
-                    line,
-                    subject,
-                    format!("{key} has no meaning for a {kind} joint; valid are {valid}"),
-                ))
-            }
-            None => Ok(()),
+/// The numbers of a joint's coordinate, which is all that is left of its table.
+pub(crate) fn numbers(
+    table: &mut Table,
+    kind: &Kind,
+    dof: &mut Dof,
+    source: &Source,
+    line: Option<usize>,
+    subject: &str,
+) -> Result<(), ModelError> {
+    let given = |table: &Table, name: &str| table.keys(source).any(|(key, _)| key == name);
+    for key in kind.keys {
+        if let Some(stem) = key.name.strip_suffix("_deg").filter(|_| given(table, key.name))
+            && given(table, &format!("{stem}_rad"))
+        {
+            let problem = format!("{stem}_deg and {stem}_rad are both given; give one");
+            return Err(source.invalid(line, subject, problem));
+        }
+        if let Some(value) = table.take(source, key.name)? {
+            let value = source.finite(line, subject, key.name, value)?;
+            *(key.of)(dof) = if key.form == Form::Degrees { value.to_radians() } else { value };
         }
     }
+    // A limit of an angle on a sliding joint and the like would silently be without effect.
+    let Some((foreign, at)) = table.keys(source).next() else { return Ok(()) };
+    let names = |kinds: &[Kind]| kinds.iter().flat_map(|kind| kind.keys).map(|key| key.name).collect::<Vec<_>>();
+    let valid = match kind.keys {
+        [] => vec!["origin_m", "origin_rpy_deg"],
+        _ => names(std::slice::from_ref(kind)),
+    };
+    if names(Kind::ALL).contains(&foreign) {
+        let problem = format!("{foreign} has no meaning for a {} joint; valid are {}", kind.name, valid.join(", "));
+        return Err(source.invalid(line, subject, problem));
+    }
+    Err(source.syntax(at, format!("unknown field `{foreign}`, expected one of {}", valid.join(", "))))
+}
 
-    fn rotation(&self, source: &Source, line: Option<usize>, subject: &str) -> Result<Matrix3<f64>, ModelError> {
-        match (self.origin_rpy_deg, self.origin_rotation) {
-            (None, None) => Ok(Matrix3::identity()),
-            (Some(_), Some(_)) => {
-                Err(source.invalid(line, subject, "origin_rpy_deg and origin_rotation are both given; give one"))
+/// A rotation that is given by fixed-axis roll, pitch, yaw, by its rows (under one of two `keys`) or not at all.
+fn rotation(
+    keys: [&str; 2],
+    rpy_deg: Option<[f64; 3]>,
+    rows: Option<[[f64; 3]; 3]>,
+    source: &Source,
+    line: Option<usize>,
+    subject: &str,
+) -> Result<Matrix3<f64>, ModelError> {
+    match (rpy_deg, rows) {
+        (None, None) => Ok(Matrix3::identity()),
+        (Some(_), Some(_)) => {
+            Err(source.invalid(line, subject, format!("{} and {} are both given; give one", keys[0], keys[1])))
+        }
+        (Some(rpy), None) => {
+            let rpy = source.vector(line, subject, keys[0], rpy)?;
+            Ok(rotation_from_rpy([rpy.x.to_radians(), rpy.y.to_radians(), rpy.z.to_radians()]))
+        }
+        (None, Some(rows)) => {
+            let rotation = Matrix3::from_fn(|i, j| rows[i][j]);
+            let error = (rotation * rotation.transpose() - Matrix3::identity()).abs().max();
+            // Written so that NaN fails
+            if !(error < 1e-9 && rotation.determinant() > 0.0) {
+                let problem = format!("{} is no rotation matrix (rows orthonormal, determinant 1)", keys[1]);
+                return Err(source.invalid(line, subject, problem));
             }
-            (Some(rpy), None) => {
-                let rpy = source.vector(line, subject, "origin_rpy_deg", rpy)?;
-                Ok(rotation_from_rpy([rpy.x.to_radians(), rpy.y.to_radians(), rpy.z.to_radians()]))
-            }
-            (None, Some(rows)) => {
-                let rotation = Matrix3::from_fn(|i, j| rows[i][j]);
-                let error = (rotation * rotation.transpose() - Matrix3::identity()).abs().max();
-                // Written so that NaN fails
-                if !(error < 1e-9 && rotation.determinant() > 0.0) {
-                    let problem = "origin_rotation is no rotation matrix (rows orthonormal, determinant 1)";
-                    return Err(source.invalid(line, subject, problem));
-                }
-                Ok(rotation)
-            }
+            Ok(rotation)
         }
     }
 }

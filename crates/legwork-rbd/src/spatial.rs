@@ -1,4 +1,4 @@
-//! Spatial (six-dimensional) vectors and inertias, all in one world-aligned frame.
+//! Spatial (six-dimensional) vectors and inertias, all in one world-aligned frame; poses and rotations.
 //!
 //! Featherstone 2008, Chapter 2, in Plücker coordinates of a single frame. Since no quantity is ever carried from one
 //! frame to another, there are no 6×6 transforms: a spatial vector is a pair of [`Vector3`].
@@ -48,6 +48,12 @@ impl Motion {
         self.angular.dot(&f.angular) + self.linear.dot(&f.linear)
     }
 
+    /// Adds `factor` times `other`.
+    pub(crate) fn add_scaled(&mut self, other: &Motion, factor: f64) {
+        self.angular += other.angular * factor;
+        self.linear += other.linear * factor;
+    }
+
     /// The linear part at the point `at`, given relative to the point of reference.
     #[must_use]
     pub fn linear_at(&self, at: &Vector3<f64>) -> Vector3<f64> {
@@ -69,6 +75,12 @@ impl Force {
     #[must_use]
     pub const fn zero() -> Self {
         Self { angular: Vector3::new(0.0, 0.0, 0.0), linear: Vector3::new(0.0, 0.0, 0.0) }
+    }
+
+    /// Adds `factor` times `other`.
+    pub(crate) fn add_scaled(&mut self, other: &Force, factor: f64) {
+        self.angular += other.angular * factor;
+        self.linear += other.linear * factor;
     }
 
     /// The angular part about the point `at`, given relative to the present origin.
@@ -134,4 +146,45 @@ impl std::ops::AddAssign for Inertia {
         self.first_moment += other.first_moment;
         self.rotational += other.rotational;
     }
+}
+
+/// A pose: the rotation and position of one frame in another (`parent_from_child`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// Takes child axes to parent axes.
+    pub rotation: Matrix3<f64>,
+    /// The child's origin in the parent frame [m].
+    pub translation: Vector3<f64>,
+}
+
+impl Placement {
+    /// Both frames coincide.
+    #[must_use]
+    pub fn identity() -> Self {
+        Self { rotation: Matrix3::identity(), translation: Vector3::zeros() }
+    }
+
+    /// A point of the child frame, in the parent frame [m].
+    #[must_use]
+    pub fn point(&self, position: &Vector3<f64>) -> Vector3<f64> {
+        self.rotation * position + self.translation
+    }
+}
+
+/// The rotation by `angle` about the unit vector `axis` (Rodrigues): c 1 + s \[a\]× + (1 − c) a aᵀ.
+#[inline]
+pub(crate) fn rotation_about(axis: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
+    let (s, c) = libm::sincos(angle);
+    let a = axis;
+    let (sx, sy, sz) = (s * a.x, s * a.y, s * a.z);
+    let (tx, ty, tz) = ((1.0 - c) * a.x, (1.0 - c) * a.y, (1.0 - c) * a.z);
+    let (xy, xz, yz) = (tx * a.y, tx * a.z, ty * a.z);
+    Matrix3::new(tx * a.x + c, xy - sz, xz + sy, xy + sz, ty * a.y + c, yz - sx, xz - sy, yz + sx, tz * a.z + c)
+}
+
+/// Fixed-axis roll, pitch, yaw (as in URDF): `Rz(yaw) Ry(pitch) Rx(roll)`.
+pub(crate) fn rotation_from_rpy(rpy: [f64; 3]) -> Matrix3<f64> {
+    rotation_about(&Vector3::z(), rpy[2])
+        * rotation_about(&Vector3::y(), rpy[1])
+        * rotation_about(&Vector3::x(), rpy[0])
 }

@@ -1,17 +1,22 @@
 //! URDF, through `urdf-rs`, and the file beside it that says what URDF cannot.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Matrix3, Vector3};
 use serde::Deserialize;
 use toml::Spanned;
 use urdf_rs::JointType;
 
+use crate::base::Base;
 use crate::description::{BodyDescription, Description, JointDescription};
 use crate::error::ModelError;
-use crate::joint::{Base, Joint, Placement, rotation_from_rpy};
+use crate::joints::{Fixed, Joint, Kind};
 use crate::model::Model;
-use crate::model_file::{ContactEntry, GRAVITY, PitchLimits};
+use crate::model_file::{ContactEntry, FrameEntry, GRAVITY, PitchLimits};
 use crate::read::{Source, unit_axis};
-use crate::read_toml::{contacts, pitch_limits};
+use crate::read_toml::{contacts, frames, numbers, pitch_limits};
+use crate::spatial::{Placement, rotation_from_rpy};
+use crate::table::Table;
 use crate::urdf_text::{element_line, parse};
 
 /// `robot.legwork.toml` beside `robot.urdf`.
@@ -27,6 +32,11 @@ struct SideFile {
     passive: Option<Vec<String>>,
     #[serde(default)]
     contacts: Vec<Spanned<ContactEntry>>,
+    #[serde(default)]
+    frames: Vec<Spanned<FrameEntry>>,
+    /// By the joint's name: the numbers that a joint may have in TOML, in place of those of the URDF.
+    #[serde(default)]
+    joints: BTreeMap<String, Spanned<Table>>,
 }
 
 pub(crate) fn read_urdf(
@@ -46,6 +56,7 @@ pub(crate) fn read_urdf(
     let mut warnings = Vec::new();
     let mut bodies = bodies(&robot, text, &source, &mut warnings)?;
     mark_actuated(&mut bodies, &side, &side_source)?;
+    set_numbers(&mut bodies, &side.joints, &side_source)?;
     let base = base.or(side.base).unwrap_or(Base::Floating);
     Description {
         file: file_name.to_owned(),
@@ -57,6 +68,7 @@ pub(crate) fn read_urdf(
         feet: side.feet,
         bodies,
         contacts: contacts(&side.contacts, &side_source)?,
+        frames: frames(&side.frames, &side_source)?,
         warnings,
         side_file: side_name.to_owned(),
     }
@@ -74,7 +86,7 @@ fn bodies(
     let mut bodies = Vec::with_capacity(robot.links.len());
     let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child.link == name);
     for link in robot.links.iter().filter(|link| !is_child(&link.name)) {
-        let joint = JointDescription::new("base".to_owned(), Joint::Fixed, Placement::identity());
+        let joint = JointDescription::new("base".to_owned(), Joint::Fixed(Fixed), Placement::identity());
         bodies.push(body(link, None, joint, text, source)?);
     }
     for joint in &robot.joints {
@@ -165,31 +177,31 @@ fn describe_joint(
         return Err(source.invalid(line, subject, problem));
     }
     let axis = || unit_axis(source, line, &subject, *joint.axis.xyz);
-    let kind = match joint.joint_type {
-        JointType::Fixed => Joint::Fixed,
-        JointType::Revolute | JointType::Continuous => Joint::Revolute { axis: axis()? },
-        JointType::Prismatic => Joint::Prismatic { axis: axis()? },
-        JointType::Floating | JointType::Planar | JointType::Spherical => {
-            let kind = format!("{:?}", joint.joint_type).to_lowercase();
-            let problem = format!(
-                "is of type {kind}, which is not supported within the tree; valid are fixed, revolute, continuous, \
-                 prismatic (what joins the root link to the world is the model's base)"
-            );
-            return Err(source.invalid(line, subject, problem));
-        }
+    let known = Kind::ALL.iter().find(|kind| kind.urdf.contains(&joint.joint_type));
+    let Some(read) = known.and_then(|kind| kind.read) else {
+        let kind = format!("{:?}", joint.joint_type).to_lowercase();
+        let valid: Vec<String> =
+            Kind::ALL.iter().flat_map(|kind| kind.urdf).map(|kind| format!("{kind:?}").to_lowercase()).collect();
+        let problem = format!(
+            "is of type {kind}, which is not supported within the tree; valid are {} (what joins the root link to the \
+             world is the model's base)",
+            valid.join(", ")
+        );
+        return Err(source.invalid(line, subject, problem));
     };
+    let kind = read(&axis)?;
     let rpy = source.vector(line, &subject, "rpy of the origin", *joint.origin.rpy)?;
     let translation = source.vector(line, &subject, "xyz of the origin", *joint.origin.xyz)?;
     let placement = Placement { rotation: rotation_from_rpy(rpy.into()), translation };
     let mut described = JointDescription::new(joint.name.clone(), kind, placement);
     described.line = line;
-    described.actuated = kind != Joint::Fixed;
-    if kind == Joint::Fixed {
+    if kind.nv() == 0 {
         return Ok(described);
     }
+    described.dof.actuated = true;
     limits(joint, &mut described, source, warnings)?;
     if let Some(dynamics) = &joint.dynamics {
-        described.damping = source.finite(line, &subject, "damping", dynamics.damping)?;
+        described.dof.damping = source.finite(line, &subject, "damping", dynamics.damping)?;
         if dynamics.friction != 0.0 {
             warnings.push(format!("{subject}: Coulomb friction {} is ignored", dynamics.friction));
         }
@@ -217,14 +229,14 @@ fn limits(
         if limit.lower == 0.0 && limit.upper == 0.0 {
             warnings.push(format!("{subject} has no position limits"));
         } else {
-            (described.lower, described.upper) = (limit.lower, limit.upper);
+            (described.dof.lower, described.dof.upper) = (limit.lower, limit.upper);
         }
     }
     if limit.effort != 0.0 {
-        described.effort_limit = limit.effort;
+        described.dof.effort_limit = limit.effort;
     }
     if limit.velocity != 0.0 {
-        described.velocity_limit = limit.velocity;
+        described.dof.velocity_limit = limit.velocity;
     }
     Ok(())
 }
@@ -238,14 +250,37 @@ fn mark_actuated(bodies: &mut [BodyDescription], side: &SideFile, source: &Sourc
             return Err(source.invalid(None, "actuated, passive", "both are given; give one, the other follows"));
         }
     };
-    let moving: Vec<String> =
-        bodies.iter().filter(|body| body.joint.kind != Joint::Fixed).map(|body| body.joint.name.clone()).collect();
-    if let Some(unknown) = list.iter().find(|name| !moving.contains(name)) {
-        let problem = format!("unknown joint {unknown:?}; valid are {}", moving.join(", "));
-        return Err(source.invalid(None, key, problem));
+    for name in list {
+        moving_joint(bodies, name).map_err(|problem| source.invalid(None, key, problem))?;
     }
-    for body in bodies.iter_mut().filter(|body| body.joint.kind != Joint::Fixed) {
-        body.joint.actuated = list.contains(&body.joint.name) == listed_is;
+    for body in bodies.iter_mut().filter(|body| body.joint.kind.nv() > 0) {
+        body.joint.dof.actuated = list.contains(&body.joint.name) == listed_is;
     }
     Ok(())
+}
+
+fn set_numbers(
+    bodies: &mut [BodyDescription],
+    joints: &BTreeMap<String, Spanned<Table>>,
+    source: &Source,
+) -> Result<(), ModelError> {
+    for (name, table) in joints {
+        let (line, subject) = (source.line(table.span().start), format!("joint {name:?}"));
+        let joint = moving_joint(bodies, name).map_err(|problem| source.invalid(line, "joints", problem))?;
+        let mut table = table.get_ref().clone();
+        numbers(&mut table, joint.kind.kind(), &mut joint.dof, source, line, &subject)?;
+        joint.check_numbers().map_err(|problem| source.invalid(line, subject, problem))?;
+    }
+    Ok(())
+}
+
+/// The joint of this name among those that move.
+fn moving_joint<'a>(bodies: &'a mut [BodyDescription], name: &str) -> Result<&'a mut JointDescription, String> {
+    let moving = || bodies.iter().filter(|body| body.joint.kind.nv() > 0);
+    if moving().all(|body| body.joint.name != name) {
+        let names: Vec<_> = moving().map(|body| body.joint.name.as_str()).collect();
+        return Err(format!("unknown joint {name:?}; valid are {}", names.join(", ")));
+    }
+    let found = bodies.iter_mut().map(|body| &mut body.joint).find(|joint| joint.name == name && joint.kind.nv() > 0);
+    Ok(found.expect("looked for above"))
 }

@@ -1,12 +1,14 @@
 //! Writing a model in its canonical form.
 
+use nalgebra::Matrix3;
 use toml::Spanned;
 
-use crate::joint::{Base, Joint};
+use crate::base::Base;
+use crate::frame::Frame;
+use crate::joints::Form;
 use crate::model::{Body, Model};
-use crate::model_file::{
-    BodyEntry, ContactEntry, FullInertia, InertiaEntry, JointEntry, JointType, ModelFile, PitchLimits,
-};
+use crate::model_file::{BodyEntry, ContactEntry, FrameEntry, FullInertia, InertiaEntry, ModelFile, PitchLimits};
+use crate::table::Table;
 
 impl Model {
     /// The complete model in the TOML format, every number to its last bit: reading it back gives the same model.
@@ -41,6 +43,19 @@ impl Model {
                     })
                 })
                 .collect(),
+            frames: self
+                .frames
+                .iter()
+                .map(|Frame { name, body, placement }| {
+                    spanned(FrameEntry {
+                        name: name.clone(),
+                        body: self.bodies[*body].name.clone(),
+                        position_m: Some(placement.translation.into()),
+                        rpy_deg: None,
+                        rotation: rows(&placement.rotation),
+                    })
+                })
+                .collect(),
         };
         toml::to_string(&file).expect("strings, numbers and lists can be written as TOML")
     }
@@ -49,7 +64,7 @@ impl Model {
         let i = &body.inertia;
         let full =
             FullInertia { xx: i[(0, 0)], yy: i[(1, 1)], zz: i[(2, 2)], xy: i[(0, 1)], xz: i[(0, 2)], yz: i[(1, 2)] };
-        let one_number = self.is_planar() && *i == nalgebra::Matrix3::identity() * full.yy;
+        let one_number = self.is_planar() && *i == Matrix3::identity() * full.yy;
         let inertia = if one_number { InertiaEntry::Planar(full.yy) } else { InertiaEntry::Full(full) };
         let parent = body.parent.filter(|&parent| parent >= self.root());
         let has_joint = parent.is_some() || self.base == Base::Fixed;
@@ -59,43 +74,45 @@ impl Model {
             mass_kg: Some(body.mass),
             com_m: Some(body.com.into()),
             inertia_kgm2: Some(inertia),
-            joint: has_joint.then(|| spanned(self.joint_entry(body))),
+            joint: has_joint.then(|| spanned(self.joint_table(body))),
         }
     }
 
-    fn joint_entry(&self, body: &Body) -> JointEntry {
-        let rotation = &body.placement.rotation;
-        let rows = [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation[(i, j)]));
-        let (kind, axis) = match &body.joint {
-            Joint::Revolute { axis } => (JointType::Revolute, Some(axis)),
-            Joint::Prismatic { axis } => (JointType::Prismatic, Some(axis)),
-            Joint::Fixed | Joint::Floating => (JointType::Fixed, None),
-        };
-        let dof = axis.map(|_| &self.dofs[body.v_index]);
-        let turning = dof.filter(|_| kind == JointType::Revolute);
-        let sliding = dof.filter(|_| kind == JointType::Prismatic);
-        JointEntry {
-            name: body.joint_name.clone(),
-            r#type: kind,
-            axis: axis.map(|axis| axis.into_inner().into()),
-            origin_m: Some(body.placement.translation.into()),
-            origin_rpy_deg: None,
-            origin_rotation: (*rotation != nalgebra::Matrix3::identity()).then_some(rows),
-            lower_deg: None,
-            upper_deg: None,
-            lower_rad: turning.and_then(|dof| finite(dof.lower)),
-            upper_rad: turning.and_then(|dof| finite(dof.upper)),
-            lower_m: sliding.and_then(|dof| finite(dof.lower)),
-            upper_m: sliding.and_then(|dof| finite(dof.upper)),
-            max_velocity_radps: turning.and_then(|dof| finite(dof.velocity_limit)),
-            max_velocity_mps: sliding.and_then(|dof| finite(dof.velocity_limit)),
-            max_torque_nm: turning.and_then(|dof| finite(dof.effort_limit)),
-            max_force_n: sliding.and_then(|dof| finite(dof.effort_limit)),
-            damping_nmspr: turning.map(|dof| dof.damping),
-            damping_nspm: sliding.map(|dof| dof.damping),
-            actuated: dof.map(|dof| dof.actuated),
+    fn joint_table(&self, body: &Body) -> Table {
+        let list = |numbers: [f64; 3]| numbers.to_vec();
+        let mut table = Table::default();
+        table.push("name", body.joint_name.clone());
+        table.push("type", body.joint.type_name());
+        if let Some(axis) = body.joint.axis() {
+            table.push("axis", list(axis.into_inner().into()));
         }
+        table.push("origin_m", list(body.placement.translation.into()));
+        if let Some(rows) = rows(&body.placement.rotation) {
+            table.push("origin_rotation", rows.map(list).to_vec());
+        }
+        for index in body.v_index..body.v_index + body.joint.nv() {
+            let mut dof = self.dofs[index].clone();
+            for key in body.joint.kind().keys {
+                let value = *(key.of)(&mut dof);
+                let written = match key.form {
+                    Form::Degrees => false,
+                    Form::Finite => value.is_finite(),
+                    Form::NonZero => value != 0.0,
+                };
+                if written {
+                    table.push(key.name, value);
+                }
+            }
+            table.push("actuated", dof.actuated);
+        }
+        table
     }
+}
+
+/// The rows of a rotation, where it is one.
+fn rows(rotation: &Matrix3<f64>) -> Option<[[f64; 3]; 3]> {
+    let rows = [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation[(i, j)]));
+    (*rotation != Matrix3::identity()).then_some(rows)
 }
 
 /// An infinite limit is none.

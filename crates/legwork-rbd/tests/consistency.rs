@@ -168,6 +168,7 @@ fn the_stages_of_an_update_give_its_bits() {
         staged.update_bias(&model, &v);
         assert_eq!(staged.mass_matrix, whole.mass_matrix);
         assert_eq!((&staged.bias, &staged.gravity, &staged.damping), (&whole.bias, &whole.gravity, &whole.damping));
+        assert_eq!((&staged.elastic, staged.elastic_energy), (&whole.elastic, whole.elastic_energy));
         assert_eq!(staged.contact_positions, whole.contact_positions);
         assert_eq!(staged.world_from_body, whole.world_from_body);
         assert_eq!(staged.kinetic_energy.to_bits(), whole.kinetic_energy.to_bits());

@@ -8,7 +8,7 @@
 mod common;
 
 use common::{Random, assert_close, moved, unit};
-use legwork_rbd::{Base, Dynamics, Model};
+use legwork_rbd::{Base, Dynamics, Frame, Model, Motion};
 use nalgebra::{DMatrix, DVector, Vector3};
 use proptest::prelude::*;
 
@@ -56,6 +56,8 @@ fn check(model: &Model, q: &[f64], v: &[f64]) {
     assert_close("CoM Jacobian", dynamics.com_jacobian.as_slice(), com.as_slice(), TOLERANCE);
     let potential = jacobian(model, q, |d| vec![d.potential_energy]);
     assert_close("G", dynamics.gravity.as_slice(), potential.as_slice(), TOLERANCE);
+    let elastic = jacobian(model, q, |d| vec![d.elastic_energy]);
+    assert_close("elastic", dynamics.elastic.as_slice(), elastic.as_slice(), TOLERANCE);
     // ω from Ṙ Rᵀ = [ω]×, column by column of the torso's Jacobian
     let R = dynamics.world_from_body[model.torso].rotation;
     let turning = jacobian(model, q, |d| d.world_from_body[model.torso].rotation.as_slice().to_vec());
@@ -64,6 +66,10 @@ fn check(model: &Model, q: &[f64], v: &[f64]) {
         let omega = Vector3::new(rate[(2, 1)], rate[(0, 2)], rate[(1, 0)]);
         let column = dynamics.torso_jacobian.column(j).clone_owned();
         assert_close("torso Jacobian", column.as_slice(), &along(angular, &[omega]), TOLERANCE);
+    }
+
+    for name in ["f0", "f1", "f2", "b0"].iter().filter(|name| model.frame(name).is_some()) {
+        check_frame(model, q, v, &model.frame(name).unwrap());
     }
 
     let bias = rate(model, q, v, |d| along(linear, &d.contact_velocities));
@@ -76,6 +82,33 @@ fn check(model: &Model, q: &[f64], v: &[f64]) {
     let bias = rate(model, q, v, |d| along(linear, &[d.com_velocity * model.total_mass()]));
     let rows = dynamics.momentum_bias.rows(angular.len(), linear.len()).clone_owned();
     assert_close("CoM bias", rows.as_slice(), &bias, TOLERANCE);
+}
+
+/// Pose, velocity, Jacobian and bias of a frame: each is the rate of the one before.
+fn check_frame(model: &Model, q: &[f64], v: &[f64], frame: &Frame) {
+    let dynamics = at(model, q, v);
+    let (linear, angular) = (model.linear_axes(), model.angular_axes());
+    let pose = dynamics.frame_pose(frame);
+    let velocity = dynamics.frame_velocity(frame);
+    let motion = |m: &Motion| [along(angular, &[m.angular]), along(linear, &[m.linear])].concat();
+
+    let moving = rate(model, q, v, |d| d.frame_pose(frame).translation.as_slice().to_vec());
+    assert_close("frame velocity", velocity.linear.as_slice(), &moving, TOLERANCE);
+    let turning = rate(model, q, v, |d| d.frame_pose(frame).rotation.as_slice().to_vec());
+    let omega = velocity.angular.cross_matrix() * pose.rotation;
+    assert_close("frame rotation", omega.as_slice(), &turning, TOLERANCE);
+
+    let mut J = DMatrix::zeros(angular.len() + linear.len(), model.nv());
+    dynamics.frame_jacobian(model, frame, &mut J);
+    let by_jacobian = &J * DVector::from_column_slice(v);
+    assert_close("frame Jacobian times v", by_jacobian.as_slice(), &motion(&velocity), 1e-12);
+    for j in 0..model.nv() {
+        let e = unit(model.nv(), j);
+        let column = motion(&at(model, q, &e).frame_velocity(frame));
+        assert_close("frame Jacobian", J.column(j).as_slice(), &column, 1e-12);
+    }
+    let bias = rate(model, q, v, |d| motion(&d.frame_velocity(frame)));
+    assert_close("frame bias", &motion(&dynamics.frame_bias(frame)), &bias, TOLERANCE);
 }
 
 proptest! {

@@ -128,6 +128,20 @@ fn joints_and_limits() {
 }
 
 #[test]
+fn springs_and_stops() {
+    let joint = |keys: &str| toml_error("damping_nmspr = 0.1", keys);
+    says(&joint("spring_nmpr = -1"), &["robot.toml:18: joint \"shoulder\": the spring's stiffness -1 is negative"]);
+    says(&joint("spring_nmpr = inf"), &["joint \"shoulder\": spring_nmpr is inf"]);
+    says(&joint("rest_deg = 5"), &["a rest position without a spring"]);
+    says(&joint("spring_nmpr = 1\nrest_deg = 5\nrest_rad = 1"), &["rest_deg and rest_rad are both given"]);
+    says(&joint("spring_npm = 1"), &["spring_npm has no meaning for a revolute joint; valid are", "spring_nmpr"]);
+    says(&joint("stop_nmpr = 1"), &["a stop without an end of the range; give lower or upper"]);
+    says(&joint("upper_deg = 9\nstop_nmpr = -1"), &["the stop's stiffness -1 is negative"]);
+    says(&joint("upper_deg = 9\nstop_nmpr = 1\nstop_damping_nmspr = -1"), &["the stop's damping -1 is negative"]);
+    says(&joint("upper_deg = 9\nstop_damping_nmspr = 1"), &["a stop's damping without its stiffness"]);
+}
+
+#[test]
 fn names() {
     says(
         &toml_error("name = \"lower\"", "name = \"upper\""),
@@ -159,6 +173,13 @@ fn names() {
     says(&toml_error("contacts = [", "feet = [\"tip\", \"tip\"]\ncontacts = ["), &["feet: \"tip\" is given twice"]);
     let twice = "contacts = [{ name = \"tip\", body = \"upper\", position_m = [0, 0, 0] }, ";
     says(&toml_error("contacts = [", twice), &["contact \"tip\": the name is given twice"]);
+    let frame = |body: &str| toml_error("[[bodies]]", &format!("[[frames]]\n{body}\n[[bodies]]"));
+    says(&frame("name = \"f\"\nbody = \"hand\""), &["robot.toml:9: frame \"f\": unknown body \"hand\"; valid are"]);
+    says(&frame("name = \"upper\"\nbody = \"lower\""), &["frame \"upper\": the name is given twice"]);
+    says(&frame("name = \" \"\nbody = \"lower\""), &["a frame's name: is empty"]);
+    let both = "name = \"f\"\nbody = \"lower\"\nrpy_deg = [0, 0, 0]\nrotation = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]";
+    says(&frame(both), &["frame \"f\": rpy_deg and rotation are both given"]);
+    says(&frame("name = \"f\"\nbody = \"lower\"\nposition_m = [0, nan, 0]"), &["frame \"f\": position_m is NaN"]);
     let reserved =
         TOML.replace("name = \"elbow\"", "name = \"base_x\"").replace("\"fixed\"\ngravity", "\"planar\"\ngravity");
     says(
@@ -205,6 +226,15 @@ fn broken_toml() {
         &["robot.toml:3: unknown variant `flying`", "`fixed`, `planar`", "`floating`"],
     );
     says(&toml_error("base = \"fixed\"", ""), &["missing field `base`"]);
+    says(
+        &toml_error("damping_nmspr = 0.1", "dampin_nmspr = 0.1"),
+        &["robot.toml:22: unknown field `dampin_nmspr`, expected one of", "damping_nmspr"],
+    );
+    says(
+        &toml_error("damping_nmspr = 0.1", "damping_nmspr = \"0.1\""),
+        &["robot.toml:22: damping_nmspr: invalid type"],
+    );
+    says(&toml_error("name = \"elbow\"", ""), &["robot.toml:30: missing field `name`"]);
     says(&toml_error("mass_kg = 1.3", "mass_kg = \"1.3\""), &["robot.toml:15: invalid type: string"]);
     says(&toml_error("com_m = [0.0, 0.0, -0.25]", "com_m = [0.0, -0.25]"), &["robot.toml:16: invalid length 2"]);
     let no_bodies = "name = \"r\"\nbase = \"fixed\"\nbodies = []";
@@ -294,6 +324,15 @@ fn side_files() {
     says(&side_error("gravity_mps2 = inf"), &["robot.legwork.toml: gravity_mps2: inf"]);
     let contact = "\ncontacts = [{ name = \"c\", body = \"hand\", position_m = [0, 0, 0] }]";
     says(&side_error(contact), &["robot.legwork.toml:2: contact \"c\": unknown body \"hand\""]);
+    says(
+        &side_error("[joints.hip]\nspring_nmpr = 1"),
+        &["robot.legwork.toml:1: joints: unknown joint \"hip\"; valid are right_haa"],
+    );
+    says(
+        &side_error("joints.right_haa = { spring_nmpr = -1 }"),
+        &["robot.legwork.toml:1: joint \"right_haa\": the spring's stiffness -1 is negative"],
+    );
+    says(&side_error("joints.right_haa = { spring = 1 }"), &["robot.legwork.toml:1: unknown field `spring`, expected"]);
     let crossed = "base = \"planar\"\nbase_pitch = { lower_deg = 10, upper_deg = -10 }";
     says(&side_error(crossed), &["base_pitch: limits are crossed"]);
 }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::assert_close;
-use legwork_rbd::{Base, Dynamics, Joint, Model};
+use legwork_rbd::{Base, Dynamics, Fixed, Joint, Model};
 use proptest::prelude::*;
 
 const PENDULUM_TOML: &str = include_str!("data/double_pendulum.toml");
@@ -217,6 +217,55 @@ fn side_file_names_motors() {
 }
 
 #[test]
+fn springs_and_stops_come_from_either_format() {
+    let keys = "spring_nmpr = 20\nrest_deg = 30\nstop_nmpr = 1000\nstop_damping_nmspr = 5";
+    let text = PENDULUM_TOML.replace("damping_nmspr = 0.2", &format!("damping_nmspr = 0.2\n{keys}"));
+    let toml = Model::from_toml(&text, "p.toml").unwrap();
+    let side = format!("{PENDULUM_SIDE}\n[joints.elbow]\n{keys}");
+    let urdf = Model::from_urdf(PENDULUM_URDF, "p.urdf", Some((&side, "p.legwork.toml")), None).unwrap();
+    assert_eq!(toml.dofs, urdf.dofs);
+    assert_eq!(toml, Model::from_toml(&toml.to_toml(), "again.toml").unwrap());
+
+    // elbow: 0.5 rad beyond its end at 2.5 rad, on the way out, fast out, on the way back, fast back
+    let mut dynamics = Dynamics::new(&toml);
+    let mut at = |q: f64, v: f64| {
+        dynamics.update(&toml, &[0.0, q], &[0.0, v]);
+        (dynamics.elastic[1], dynamics.damping[1], dynamics.elastic_energy)
+    };
+    let rest = 30.0_f64.to_radians();
+    let spring = |q: f64| (20.0 * (q - rest), 10.0 * (q - rest) * (q - rest));
+    let (force, energy) = spring(2.0);
+    assert_eq!(at(2.0, 1.0), (force, 0.2, energy));
+    for sign in [1.0, -1.0] {
+        let q = sign * 3.0;
+        let (force, energy) = spring(q);
+        for (v, stop_damping) in [(2.0, 10.0), (-2.0, -10.0), (-99.0, -495.0), (-101.0, -500.0)] {
+            let (elastic, damping, stored) = at(q, sign * v);
+            assert_close("elastic", &[elastic], &[force + sign * 500.0], 1e-15);
+            assert_close("energy", &[stored], &[energy + 125.0], 1e-15);
+            // The damper of the stop never makes it pull.
+            assert_close("damping", &[damping], &[sign * (0.2 * v + stop_damping)], 1e-15);
+        }
+    }
+}
+
+#[test]
+fn frames_and_links_are_found_by_name() {
+    let side = "frames = [{ name = \"handle\", body = \"lower\", position_m = [0.1, 0, -0.4], rpy_deg = [0, 0, 90] }]";
+    let side = Some((side, "p.legwork.toml"));
+    let model = Model::from_urdf(PENDULUM_URDF, "p.urdf", side, Some(Base::Fixed)).unwrap();
+    let mut dynamics = Dynamics::new(&model);
+    dynamics.update(&model, &[std::f64::consts::FRAC_PI_2, 0.0], &[0.0, 0.0]);
+    // The arm points along x: what is ahead of it at zero is above it then, and y of the handle is −x of the arm
+    let handle = dynamics.frame_pose(&model.frame("handle").unwrap());
+    assert_close("handle", handle.translation.as_slice(), &[1.0, 0.0, 0.1], 1e-14);
+    assert_close("its y axis", handle.rotation.column(1).as_slice(), &[0.0, 0.0, -1.0], 1e-14);
+    let link = model.frame("lower").unwrap();
+    assert_eq!(dynamics.frame_pose(&link), dynamics.world_from_body[link.body]);
+    assert_eq!(model.frame("hand"), None);
+}
+
+#[test]
 fn urdf_defaults_and_warnings() {
     let model = Model::from_urdf(PENDULUM_URDF, "p.urdf", None, None).unwrap();
     assert_eq!((model.base, model.torso, model.nc()), (Base::Floating, 0, 0));
@@ -231,7 +280,7 @@ fn urdf_defaults_and_warnings() {
     );
     let biped = common::biped18();
     assert_eq!(biped.warnings(), ["body \"right_sole\" has no mass", "body \"left_sole\" has no mass"]);
-    assert_eq!(biped.bodies[biped.body_index("trunk").unwrap()].joint, Joint::Fixed);
+    assert_eq!(biped.bodies[biped.body_index("trunk").unwrap()].joint, Joint::Fixed(Fixed));
     let knee = &biped.dofs[biped.dof_index("right_kfe").unwrap()];
     assert_eq!((knee.lower, knee.upper, knee.effort_limit, knee.velocity_limit), (0.0, 2.3, 220.0, 12.0));
 }

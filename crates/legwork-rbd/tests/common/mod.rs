@@ -5,7 +5,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use legwork_rbd::{Base, Joint, Model, Placement};
+use legwork_rbd::{Base, Joint, Model, Placement, Prismatic, Revolute};
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Quaternion, Rotation3, UnitQuaternion, Vector3, Vector6};
 
 pub fn crate_path(relative: &str) -> PathBuf {
@@ -59,7 +59,7 @@ impl Random {
     }
 }
 
-/// The TOML text of a random tree with `bodies` bodies: every kind of joint, any axes and origins that the base allows, four contacts.
+/// The TOML text of a random tree with `bodies` bodies: every kind of joint, any axes and origins that the base allows, dampers, springs, stops, four contacts, three frames.
 pub fn random_tree(seed: u64, bodies: usize, base: Base) -> String {
     let mut random = Random(seed);
     let name = match base {
@@ -88,17 +88,38 @@ pub fn random_tree(seed: u64, bodies: usize, base: Base) -> String {
             axis = if kind == "revolute" { [0.0, axis[1].signum(), 0.0] } else { [axis[0], 0.0, axis[2]] };
         }
         writeln!(text, "type = \"{kind}\"\naxis = {axis:?}\norigin_rpy_deg = {rpy:?}").unwrap();
-        let damping = random.between(0.0, 3.0);
-        match kind {
-            "revolute" => writeln!(text, "damping_nmspr = {damping}").unwrap(),
-            "prismatic" => writeln!(text, "damping_nspm = {damping}").unwrap(),
-            _ => {}
+        let (turning, length) = match kind {
+            "revolute" => ("nm", "rad"),
+            "prismatic" => ("n", "m"),
+            _ => continue,
+        };
+        let per = &length[..1];
+        writeln!(text, "damping_{turning}sp{per} = {}", random.between(0.0, 3.0)).unwrap();
+        if random.below(2) == 0 {
+            let (stiffness, rest) = (random.between(1.0, 50.0), random.between(-1.0, 1.0));
+            writeln!(text, "spring_{turning}p{per} = {stiffness}\nrest_{length} = {rest}").unwrap();
+        }
+        if random.below(2) == 0 {
+            let (end, stiffness, damping) =
+                (random.between(0.1, 1.0), random.between(10.0, 500.0), random.between(0.0, 50.0));
+            let end = if random.below(2) == 0 {
+                format!("lower_{length} = -{end}")
+            } else {
+                format!("upper_{length} = {end}")
+            };
+            writeln!(text, "{end}\nstop_{turning}p{per} = {stiffness}\nstop_damping_{turning}sp{per} = {damping}")
+                .unwrap();
         }
     }
     for k in 0..4 {
         let (body, position) = (random.below(bodies), random.vector(0.4));
         writeln!(text, "[[contacts]]\nname = \"c{k}\"\nfoot = \"f{}\"", k / 2).unwrap();
         writeln!(text, "body = \"b{body}\"\nposition_m = {position:?}").unwrap();
+    }
+    for k in 0..3 {
+        let (body, position, rpy) = (random.below(bodies), random.vector(0.4), random.vector(180.0));
+        writeln!(text, "[[frames]]\nname = \"f{k}\"\nbody = \"b{body}\"").unwrap();
+        writeln!(text, "position_m = {position:?}\nrpy_deg = {rpy:?}").unwrap();
     }
     text
 }
@@ -163,16 +184,16 @@ pub fn rnea(model: &Model, q: &[f64], v: &[f64], a: &[f64], gravity: f64) -> DVe
 fn joint_calculation(joint: &Joint, q: &[f64]) -> (Placement, DMatrix<f64>) {
     let mut pose = Placement::identity();
     match joint {
-        Joint::Fixed => (pose, DMatrix::zeros(6, 0)),
-        Joint::Revolute { axis } => {
+        Joint::Fixed(_) => (pose, DMatrix::zeros(6, 0)),
+        Joint::Revolute(Revolute { axis }) => {
             pose.rotation = Rotation3::from_axis_angle(axis, q[0]).into_inner();
             (pose, DMatrix::from_column_slice(6, 1, &[axis.x, axis.y, axis.z, 0.0, 0.0, 0.0]))
         }
-        Joint::Prismatic { axis } => {
+        Joint::Prismatic(Prismatic { axis }) => {
             pose.translation = axis.into_inner() * q[0];
             (pose, DMatrix::from_column_slice(6, 1, &[0.0, 0.0, 0.0, axis.x, axis.y, axis.z]))
         }
-        Joint::Floating => {
+        Joint::Floating(_) => {
             let quaternion = UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]));
             pose.rotation = quaternion.to_rotation_matrix().into_inner();
             pose.translation = Vector3::new(q[4], q[5], q[6]);

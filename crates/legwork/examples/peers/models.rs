@@ -85,12 +85,10 @@ fn urdf(model: &Model) -> Result<String, std::fmt::Error> {
         writeln!(text, "  </link>")?;
     }
     for body in &model.bodies {
-        let (kind, axis) = match &body.joint {
-            Joint::Floating => continue,
-            Joint::Fixed => ("fixed", Vector3::x()),
-            Joint::Revolute { axis } => ("revolute", axis.into_inner()),
-            Joint::Prismatic { axis } => ("prismatic", axis.into_inner()),
-        };
+        if let Joint::Floating(_) = body.joint {
+            continue;
+        }
+        let (kind, axis) = (body.joint.type_name(), body.joint.axis().unwrap_or(Vector3::x_axis()));
         let parent = body.parent.map_or("world", |parent| &model.bodies[parent].name);
         let (roll, pitch, yaw) = Rotation3::from_matrix_unchecked(body.placement.rotation).euler_angles();
         let (origin, axis) = (numbers(&body.placement.translation), numbers(&axis));
@@ -101,7 +99,7 @@ fn urdf(model: &Model) -> Result<String, std::fmt::Error> {
             body.name
         )?;
         writeln!(text, "    <origin xyz=\"{origin}\" rpy=\"{roll:?} {pitch:?} {yaw:?}\"/><axis xyz=\"{axis}\"/>")?;
-        if body.joint != Joint::Fixed {
+        if body.joint.nv() > 0 {
             let dof = &model.dofs[body.v_index];
             let finite = |value: f64| value.clamp(-1e3, 1e3);
             let (lower, upper) = (finite(dof.lower), finite(dof.upper));
@@ -166,15 +164,15 @@ fn mjcf_body(model: &Model, index: usize, text: &mut String) -> std::fmt::Result
     // The virtual bodies of a planar base become joints of its root link.
     for mover in &model.bodies[if index == model.root() { 0 } else { index }..=index] {
         let (kind, axis) = match &mover.joint {
-            Joint::Fixed => continue,
-            Joint::Floating => {
+            Joint::Fixed(_) => continue,
+            Joint::Floating(_) => {
                 writeln!(text, "  <freejoint/>")?;
                 continue;
             }
-            Joint::Revolute { axis } => ("hinge", axis),
-            Joint::Prismatic { axis } => ("slide", axis),
+            Joint::Revolute(joint) => ("hinge", joint.axis),
+            Joint::Prismatic(joint) => ("slide", joint.axis),
         };
-        let (name, axis) = (joint_name(mover, model), numbers(axis));
+        let (name, axis) = (joint_name(mover, model), numbers(&axis));
         let damping = model.dofs[mover.v_index].damping;
         writeln!(text, "  <joint name=\"{name}\" type=\"{kind}\" axis=\"{axis}\" damping=\"{damping:?}\"/>")?;
     }
