@@ -4,6 +4,7 @@ use std::fmt::Debug;
 
 use legwork_contract::channel::{Channel, Record};
 use legwork_contract::contract::{Command, Sensed};
+use legwork_contract::terrain::Terrain;
 use legwork_qp::Status;
 use legwork_rbd::Dynamics;
 
@@ -49,8 +50,9 @@ pub trait Controller: Debug + Send + Sync {
     /// Writes its channels' values of the latest tick, field by field. Allocates nothing.
     fn record(&self, _record: &mut Record<'_>) {}
 
-    /// Takes other values of those settings that may change while it runs; they act from the next tick on.
-    fn change(&mut self, _settings: &ControllerSettings, _reference: &ReferenceSettings) {}
+    /// Takes other values of those settings that may change while it runs, and the ground that it is told of; they act from
+    /// the next tick on.
+    fn change(&mut self, _settings: &ControllerSettings, _reference: &ReferenceSettings, _terrain: &Terrain) {}
 }
 
 /// How the program of a tick went.

@@ -4,11 +4,12 @@ use std::fmt::Debug;
 
 use legwork_contract::channel::{Channel, Record};
 use legwork_contract::contract::{Command, Sensed};
+use legwork_contract::error::Error;
 use legwork_contract::terrain::Terrain;
 use legwork_rbd::Dynamics;
 
 use crate::audit::Audit;
-use crate::settings::SimulationSettings;
+use crate::settings::{Push, SimulationSettings};
 
 /// Whether a robot's state is one that physics could have made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +48,11 @@ pub trait Plant: Debug + Send + Sync {
     /// Writes its channels' values of the latest period, field by field. Allocates nothing.
     fn record(&self, _record: &mut Record<'_>) {}
 
-    /// Takes another ground and other values of those settings that may change while it runs.
-    fn change(&mut self, _settings: &SimulationSettings, _ground: &Terrain) {}
+    /// Takes another ground, other pushes and other values of those settings that may change while it runs.
+    ///
+    /// # Errors
+    /// A push on a body that the robot does not have; then nothing changes.
+    fn change(&mut self, _settings: &SimulationSettings, _pushes: &[Push], _ground: &Terrain) -> Result<(), Error> {
+        Ok(())
+    }
 }

@@ -247,13 +247,15 @@ impl Plant for Simulator {
         record.set(Field::EnergyError, [self.period.energy_error]);
     }
 
-    fn change(&mut self, settings: &SimulationSettings, ground: &Terrain) {
+    fn change(&mut self, settings: &SimulationSettings, pushes: &[Push], ground: &Terrain) -> Result<(), Error> {
+        self.body.pushes = Pushes::new(pushes, &self.body.model)?;
         self.body.settings.contact = settings.contact.clone();
         self.body.ground = ground.clone();
         match &mut self.velocity {
             Velocity::Planar(velocity) => velocity.stand_on(ground),
             Velocity::Spatial(velocity) => velocity.stand_on(ground),
         }
+        Ok(())
     }
 }
 

@@ -8,6 +8,7 @@ use std::env;
 use std::fs;
 use std::io;
 
+use legwork::control::Controller;
 use legwork::recording::Recording;
 use legwork::{episode, library, scenario_file};
 use legwork_qp::Problem;

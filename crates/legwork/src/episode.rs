@@ -363,24 +363,24 @@ impl Episode {
         self.balance_before.copy_from_slice(record.get(Field::Balance));
     }
 
-    /// Asks the walker for another speed from now on [m/s].
+    /// Gives a setting another value, which acts from the next tick on: `set("reference.walker.speed_mps", "0.8")`. The value is
+    /// checked as in a file, and is part of the run's input hash. [`crate::settings::Setting::fixed`] tells which settings may not
+    /// change while a run goes on.
     ///
     /// # Errors
-    /// No finite number, or a speed whose steps the legs do not reach, as in a scenario.
-    pub fn command_speed(&mut self, speed: f64) -> Result<(), Error> {
-        let mut asked = self.scenario.clone();
-        (asked.reference.walker.speeds, asked.reference.walker.speed_mps) = (Vec::new(), speed);
-        match crate::scenario_file::checks::walker_conflict(&asked) {
-            _ if !speed.is_finite() => {
-                Err(Error::invalid("reference.walker.speed_mps", format!("found {speed}; valid is a finite number")))
-            }
-            Some((_, problem)) => Err(Error::invalid("reference.walker.speed_mps", problem)),
-            None => {
-                let settings = crate::wearer::controller(&asked, &self.known);
-                self.controller.change(&settings, &asked.fitted_reference());
-                Ok(())
-            }
-        }
+    /// There is no such setting, it may not change, or its value is not valid; then nothing changes.
+    pub fn set(&mut self, path: &str, value: &str) -> Result<(), Error> {
+        let scenario = crate::scenario_file::change(&self.scenario, path, value)?;
+        let ground = scenario.terrain(&self.model);
+        self.plant.change(&scenario.simulation, &scenario.pushes, &ground)?;
+        let settings = crate::wearer::controller(&scenario, &self.known);
+        let believed = scenario.believed_terrain(&self.known);
+        self.controller.change(&settings, &scenario.fitted_reference(), &believed);
+        self.ground = ground;
+        self.input_hash = record::changed(self.input_hash, self.tick, path, value);
+        self.meter = Meter::new(&scenario, &self.model);
+        self.scenario = scenario;
+        Ok(())
     }
 
     /// Time simulated so far [s].

@@ -4,7 +4,7 @@ use std::fmt::{self, Debug, Formatter};
 
 use legwork_rbd::{Dynamics, Model};
 use nalgebra::Vector3;
-use xxhash_rust::xxh3::Xxh3;
+use xxhash_rust::xxh3::{Xxh3, xxh3_128};
 
 use crate::channel::{Channel, Columns, Field, Record};
 use crate::contract::Sensed;
@@ -147,4 +147,9 @@ impl Hasher {
     pub(crate) fn digest(&self) -> u128 {
         self.0.digest128()
     }
+}
+
+/// The input hash of a run in which a setting was changed before `tick`.
+pub(crate) fn changed(input_hash: u128, tick: u64, path: &str, value: &str) -> u128 {
+    xxh3_128(format!("{input_hash:032x} {tick} {path}={value}").as_bytes())
 }

@@ -84,6 +84,7 @@ mod tests {
     use legwork_rbd::Dynamics;
 
     use super::*;
+    use crate::control::Controller;
     use crate::{episode, scenario_file};
 
     #[test]
@@ -102,7 +103,7 @@ mod tests {
             for (index, (estimate, torques)) in recording.estimates.iter().zip(&recording.torques).enumerate() {
                 assert_eq!(simulator.q(), run.log.get(index, Field::Q), "tick {index}");
                 dynamics.update(recording.known(), &estimate.q, &estimate.v);
-                assert_eq!(controller.tick(estimate, &dynamics).solution.tau, *torques, "tick {index}");
+                assert_eq!(controller.tick(estimate, &dynamics).torque, *torques, "tick {index}");
                 assert!((0..recording.steps_per_tick).all(|_| simulator.step(torques)));
             }
         }

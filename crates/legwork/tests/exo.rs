@@ -6,7 +6,6 @@ use legwork::episode::{Outcome, Run};
 use legwork::feet::FeetMotion;
 use legwork::log::Field;
 use legwork::start::start_pose;
-use legwork::terrain::Terrain;
 use legwork::{episode, library, scenario_file};
 use legwork_rbd::{Dynamics, Model};
 
@@ -22,7 +21,7 @@ fn values(run: &Run, field: Field, place: usize) -> impl Iterator<Item = f64> + 
 #[test]
 fn the_start_pose_stands_flat_and_upright_where_it_should() {
     let (scenario, model) = (scenario_file::load("exo-sway", &[]).expect("built in").scenario, exo());
-    let ground = Terrain::of(&scenario, &model);
+    let ground = scenario.terrain(&model);
     let q = start_pose(&scenario, &model, &ground).expect("it can be taken");
     let mut dynamics = Dynamics::new(&model);
     dynamics.update(&model, q.as_slice(), &[0.0; 18]);

@@ -59,14 +59,14 @@ fn a_live_command_is_followed_as_a_profile_is() {
     let model = library::load_model("planar_humanoid_feet", None).expect("built in");
     let mut episode = episode::Episode::new(&loaded.scenario, &model, &[]).expect("it can start");
     for (until, speed) in [(1.0, 0.0), (6.0, 0.8), (13.0, 0.0)] {
-        episode.command_speed(speed).expect("a speed that legs can walk");
-        while episode.time() < until && episode.advance() {}
+        episode.set("reference.walker.speed_mps", &speed.to_string()).expect("a speed that legs can walk");
+        while episode.time() < until && episode.advance().expect("nothing that could fail") {}
     }
-    for wrong in [f64::NAN, 2.4] {
-        let error = episode.command_speed(wrong).expect_err("no walk").to_string();
+    for wrong in ["nan", "2.4", "fast"] {
+        let error = episode.set("reference.walker.speed_mps", wrong).expect_err("no walk").to_string();
         assert!(error.contains("reference.walker.speed_mps"), "{error}");
     }
-    let live = episode.finish(0.0);
+    let live = episode.finish(0.0).expect("nothing that could fail");
     stood(&live);
     let profile = "reference.walker.speeds=[[0,0],[1,0],[1.000001,0.8],[6,0.8],[6.000001,0]]";
     let planned = common::run("feet-walk", &[profile]);

@@ -4,9 +4,12 @@ mod common;
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
-use legwork::control::{Controller, Estimate, Fallback};
-use legwork::feet::Footing;
-use legwork::qp::{self, Condition, Inputs, Layout, LimitKind, Relaxation, Solution};
+use legwork::contact::Surface;
+use legwork::contract::Sensed;
+use legwork::control::{Controller, Fallback};
+use legwork::feet::{FeetMotion, Footing};
+use legwork::momentum::{self, Condition, Inputs, Layout, LimitKind, Relaxation, Solution};
+use legwork::planner::MotionGoal;
 use legwork::scenario::{QpForm, Scenario, Tracking};
 use legwork::{library, scenario_file};
 use legwork_qp::{Problem, Solver, Status};
@@ -16,9 +19,11 @@ use legwork_rbd::{Dynamics, Model};
 struct State {
     scenario: Scenario,
     model: Model,
-    controller: Controller,
+    goal: MotionGoal,
+    feet: FeetMotion,
+    ground: Vec<Surface>,
     dynamics: Dynamics,
-    estimate: Estimate,
+    estimate: Sensed,
     stance: Vec<bool>,
 }
 
@@ -31,7 +36,7 @@ impl State {
         let mut scenario = self.scenario.clone();
         change(&mut scenario);
         let mut problem = Problem::new(layout.variables(), layout.rows());
-        qp::build(layout, &self.inputs(&scenario), &mut problem);
+        momentum::build(layout, &self.inputs(&scenario), &mut problem);
         problem
     }
 
@@ -39,14 +44,14 @@ impl State {
         Inputs {
             model: &self.model,
             dynamics: &self.dynamics,
-            feet: self.controller.feet(),
+            feet: &self.feet,
             q: &self.estimate.q,
             v: &self.estimate.v,
-            goal: self.controller.planner().goal(),
+            goal: &self.goal,
             stance: &self.stance,
             footing: &[Footing::Stands; 2],
             max_load: &[f64::INFINITY; 2],
-            ground: self.controller.ground(),
+            ground: &self.ground,
             weights: &scenario.controller.weights,
             limits: &scenario.controller.limits,
             tracking: &scenario.controller.tracking,
@@ -64,7 +69,7 @@ impl State {
         let mut solver = Solver::new(layout.variables(), layout.rows());
         let status = solver.solve(&problem);
         let mut solution = Solution::new(&layout, &self.model);
-        qp::read_solution(&layout, &self.inputs(&scenario), solver.x(), &mut solution);
+        momentum::read_solution(&layout, &self.inputs(&scenario), solver.x(), &mut solution);
         (status, solution, problem, solver)
     }
 }
@@ -74,7 +79,7 @@ fn states(name: &str, every: usize) -> Vec<State> {
     let loaded = scenario_file::load(name, &["duration_s=2".to_owned()]).expect("a built-in scenario");
     let model = library::load_model(&loaded.scenario.model, None).expect("a built-in model");
     let run = common::run(name, &["duration_s=2"]);
-    let mut controller = Controller::new(&loaded.scenario, &model, &[], &run.log.truth(0)).expect("the model fits");
+    let mut controller = loaded.scenario.momentum_controller(&model, &[], &run.log.truth(0)).expect("the model fits");
     let mut dynamics = Dynamics::new(&model);
     let mut found = Vec::new();
     for i in 0..run.log.len() {
@@ -82,12 +87,15 @@ fn states(name: &str, every: usize) -> Vec<State> {
         dynamics.update(&model, &estimate.q, &estimate.v);
         controller.tick(&estimate, &dynamics);
         if i % every == 0 {
-            let swinging = controller.swing().map(|(foot, _)| foot);
-            let stance = (0..2).map(|foot| estimate.touching[foot] && Some(foot) != swinging).collect();
+            let swinging = controller.reference().and_then(|reference| reference.swing).map(|swing| swing.foot);
+            let touching = |foot: usize| estimate.contacts[foot].touching;
+            let stance = (0..2).map(|foot| touching(foot) && Some(foot) != swinging).collect();
             found.push(State {
                 scenario: loaded.scenario.clone(),
                 model: model.clone(),
-                controller: controller.clone(),
+                goal: controller.planner().goal().clone(),
+                feet: controller.feet().clone(),
+                ground: controller.ground().to_vec(),
                 dynamics: dynamics.clone(),
                 estimate,
                 stance,
@@ -104,7 +112,7 @@ fn the_slack_form_is_appendix_b() {
         let layout = state.layout(QpForm::Slack);
         let problem = state.build(&layout, |_| {});
         let dynamics = &state.dynamics;
-        let goal = state.controller.planner().goal();
+        let goal = &state.goal;
 
         // (B.1), (B.2): 7 + 4 + 4 + 3 + 4 + 1 = 23 variables.
         assert_eq!(layout.variables(), 23);
@@ -323,17 +331,19 @@ fn joint_limits_yield_where_they_contradict_the_torque_limits() {
         state.estimate.v[knee] = speed;
         state.dynamics.update(&state.model, &state.estimate.q, &state.estimate.v);
         let mut controller =
-            Controller::new(&state.scenario, &state.model, &[], &state.estimate).expect("the model fits");
-        let tick = controller.tick(&state.estimate, &state.dynamics);
-        assert_eq!(tick.status, Status::Infeasible);
-        assert_eq!(tick.fallback, fallback, "{speed} rad/s");
+            state.scenario.momentum_controller(&state.model, &[], &state.estimate).expect("the model fits");
+        controller.tick(&state.estimate, &state.dynamics);
+        let tick = controller.latest();
+        let program = &tick.program;
+        assert_eq!(program.status, Status::Infeasible);
+        assert_eq!(program.fallback, fallback, "{speed} rad/s");
         assert!(tick.braking[0] > 0.0, "the knee should brake");
         assert!(tick.solution.qdd[knee] < tick.braking[0], "the braking is missed, and visibly so");
         assert!(tick.solution.tau.iter().all(|torque| torque.abs() <= limit));
         let fastest = tick.solution.qdd[3..].iter().fold(0.0, |most: f64, qdd| most.max(qdd.abs()));
         assert_eq!(fastest > largest, fallback == Fallback::AccelerationsYield, "{fastest} rad/s2");
-        assert_eq!(tick.solves, fallback as u32 + 1);
-        let limits: Vec<LimitKind> = tick.conflict.iter().filter_map(Condition::limit).collect();
+        assert_eq!(program.solves, fallback as u32 + 1);
+        let limits: Vec<LimitKind> = program.conflict.iter().filter_map(Condition::limit).collect();
         assert!(limits.contains(&LimitKind::Acceleration { dof: knee }), "{limits:?}");
         assert!(limits.iter().any(|limit| matches!(limit, LimitKind::Torque { .. })), "{limits:?}");
     }

@@ -7,7 +7,7 @@
 use nalgebra::Vector3;
 
 use super::{ComTrajectory, Generator, Observation, PointReference, Reference, Surroundings, Swing, swing, xcom};
-use crate::settings::{LeastStep, Replan, StepSettings};
+use crate::settings::{LeastStep, ReferenceSettings, Replan, StepSettings};
 use legwork_contract::terrain::Terrain;
 
 /// What the feet are doing.
@@ -59,6 +59,10 @@ impl Generator for Steps {
         });
         reference.xcom = machine.xcom();
         reference.follow(com, machine.gravity, &machine.ground);
+    }
+
+    fn change(&mut self, settings: &ReferenceSettings) {
+        self.machine.settings = settings.step.clone();
     }
 }
 

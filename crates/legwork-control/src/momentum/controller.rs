@@ -362,11 +362,13 @@ impl Controller for MomentumController {
         record.set(Field::Program, numbers.map(f64::from));
     }
 
-    fn change(&mut self, settings: &ControllerSettings, reference: &ReferenceSettings) {
+    fn change(&mut self, settings: &ControllerSettings, reference: &ReferenceSettings, terrain: &Terrain) {
         // The program's form and tasks, and with them the columns of the log, are those that it was made with.
         let (form, tracking) = (self.settings.form, self.settings.tracking.clone());
         self.settings = ControllerSettings { form, tracking, ..settings.clone() };
         self.planner = MotionReferencePlanner::new(&settings.planner, &self.model);
         self.generator.change(reference);
+        self.ground.fill(*terrain.base());
+        self.terrain = terrain.clone();
     }
 }

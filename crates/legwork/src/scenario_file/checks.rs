@@ -145,7 +145,7 @@ fn trajectory_conflict(scenario: &Scenario) -> Option<(&'static [&'static str], 
 }
 
 /// A walk that no leg and no ground could bear.
-pub(crate) fn walker_conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
+fn walker_conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
     if scenario.reference.generator != GeneratorKind::Walker {
         return None;
     }

@@ -18,7 +18,7 @@ use toml::de::{DeTable, DeValue};
 use crate::error::Error;
 use crate::library::{self, Document, Kind, load_model, load_samples, model_text};
 use crate::scenario::{Scenario, TrajectoryKind};
-use crate::settings::{at, tree};
+use crate::settings::{Setting, at, tree};
 use crate::wearer;
 use draft::{Draft, Places, Source};
 
@@ -118,6 +118,29 @@ pub fn parse(text: &str, file_name: &str, folder: Option<&Path>, sets: &[String]
 /// A value, or a pair of values, is not valid.
 pub fn check(tree: toml::Value, name: &str) -> Result<Scenario, Error> {
     Draft { tree, places: Places::default() }.check(name)
+}
+
+/// The scenario with the value of one setting changed while it runs; `text` is a value as `--set` takes it.
+///
+/// # Errors
+/// There is no such setting, it may not change while a run goes on, or its value is not valid.
+pub(crate) fn change(scenario: &Scenario, path: &str, text: &str) -> Result<Scenario, Error> {
+    let mut draft = Draft { tree: tree(scenario), places: Places::default() };
+    let place = |error: Error| match error {
+        Error::Invalid { place, problem } => Error::invalid(place.trim_start_matches("--set "), problem),
+        other => other,
+    };
+    draft.set(&format!("{path}={text}")).map_err(place)?;
+    match Setting::find(path).map(Setting::fixed) {
+        Some(Some(why)) => return Err(Error::invalid(path, format!("may not change while a run goes on: {why}"))),
+        None if path != "pushes" => return Err(Error::invalid(path, "found a table; valid is one setting of it")),
+        _ => {}
+    }
+    if path == "reference.walker.speed_mps" {
+        // From now on it is asked for, whatever was to come.
+        *at(&mut draft.tree, "reference.walker.speeds").expect("a setting") = toml::Value::Array(Vec::new());
+    }
+    draft.check(path).map_err(place)
 }
 
 /// A list of pushes, with the defaults of what each leaves out.

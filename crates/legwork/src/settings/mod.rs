@@ -41,6 +41,48 @@ pub struct Setting {
     pub help: &'static str,
 }
 
+/// The settings, and the tables of settings, that may not change while a run goes on, and why.
+const FIXED: [(&str, &[&str]); 8] = [
+    ("it names and describes the run", &["name", "description"]),
+    ("the robot is made before the first tick", &["model", "wearer", "exoskeleton", "start"]),
+    (
+        "the run counts its ticks from the begin; it can be stopped at any of them",
+        &["duration_s", "controller.period_s"],
+    ),
+    ("it is drawn before the first tick", &["seed"]),
+    (
+        "the reference is planned before the first tick",
+        &["reference.generator", "reference.com", "reference.stance", "controller.planner.torso_angle_deg"],
+    ),
+    ("the program has its variables and rows from the begin", &["controller.form", "controller.tracking"]),
+    (
+        "the ground's shape, and what the controller is told of it, are made before the first tick",
+        &[
+            "ground.slope_deg",
+            "ground.known",
+            "ground.profile",
+            "ground.unevenness_m",
+            "ground.unevenness_spacing_m",
+            "ground.unevenness_from_m",
+            "ground.patches",
+            "ground.relief_known",
+            "controller.assumed_friction",
+            "controller.assumed_slope_deg",
+        ],
+    ),
+    (
+        "the simulator and the metrics count from the begin",
+        &[
+            "simulation.period_s",
+            "simulation.integrator",
+            "simulation.model_error",
+            "simulation.sensors",
+            "simulation.actuators",
+            "metrics",
+        ],
+    ),
+];
+
 impl Setting {
     /// The setting at a path with or without numbers: `pushes.0.force_n`, `pushes.N.force_n`.
     pub fn find(path: &str) -> Option<&'static Self> {
@@ -57,6 +99,13 @@ impl Setting {
     /// What is valid, with the unit: `a number from 0 to 10 [s]`.
     pub fn valid_in_words(&self) -> String {
         if self.unit.is_empty() { self.valid.to_string() } else { format!("{} [{}]", self.valid, self.unit) }
+    }
+
+    /// Why the setting may not change while a run goes on; none where it may.
+    pub fn fixed(&self) -> Option<&'static str> {
+        let holds =
+            |outer: &&str| self.path.strip_prefix(*outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+        FIXED.iter().find(|(_, paths)| paths.iter().any(|path| holds(&path))).map(|(why, _)| *why)
     }
 
     /// The table that it stands in, as `controller.weights`; nothing at the top.

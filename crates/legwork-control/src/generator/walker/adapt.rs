@@ -4,6 +4,7 @@
 //! which the gait goes on as it should; the swinging foot may not reach it. The choice is the one that costs least.
 
 use super::plan::StepPlan;
+use crate::settings::{Adaptation, WalkerSettings};
 
 /// Time between two times of landing that are looked at [s].
 pub const GRID_S: f64 = 0.01;
@@ -24,6 +25,22 @@ pub(super) struct Choice {
     pub(super) latest: f64,
     /// Whether the time may be chosen, too.
     pub(super) time_is_free: bool,
+}
+
+impl Choice {
+    /// What the settings say, before the first step.
+    pub(super) fn of(settings: &WalkerSettings) -> Self {
+        Self {
+            length: 0.0,
+            duration: 0.0,
+            offset: [0.0; 2],
+            time_weight: settings.time_weight,
+            offset_weight: settings.offset_weight,
+            earliest: 0.0,
+            latest: settings.longest_step_s,
+            time_is_free: settings.adaptation == Adaptation::PlaceAndTime,
+        }
+    }
 }
 
 /// A landing: when after the step's begin [s], and where [m]; where the centre of mass is then [m].

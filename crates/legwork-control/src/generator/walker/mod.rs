@@ -106,26 +106,23 @@ pub struct Walker {
     max_load: [f64; 2],
 }
 
+/// The settings for ground whose height the controller knows or does not know.
+fn for_ground(settings: &WalkerSettings, is_known: bool) -> WalkerSettings {
+    let mut settings = settings.clone();
+    if !is_known {
+        settings.landing_speed_mps = settings.unseen_landing_speed_mps;
+        let highest = settings.unseen_com_height_m;
+        settings.schedule.iter_mut().for_each(|[_, _, height, ..]| *height = height.min(highest));
+    }
+    settings
+}
+
 impl Walker {
     /// A walker that stands as at the `start`.
     pub fn new(settings: &WalkerSettings, around: &Surroundings<'_>, start: &Observation) -> Self {
         let (gravity, ground, ground_known) = (around.model.gravity, around.terrain.clone(), around.height_is_known);
-        let mut settings = settings.clone();
-        if !ground_known {
-            settings.landing_speed_mps = settings.unseen_landing_speed_mps;
-            let highest = settings.unseen_com_height_m;
-            settings.schedule.iter_mut().for_each(|[_, _, height, ..]| *height = height.min(highest));
-        }
-        let choice = Choice {
-            length: 0.0,
-            duration: 0.0,
-            offset: [0.0; 2],
-            time_weight: settings.time_weight,
-            offset_weight: settings.offset_weight,
-            earliest: 0.0,
-            latest: settings.longest_step_s,
-            time_is_free: settings.adaptation == Adaptation::PlaceAndTime,
-        };
+        let settings = for_ground(settings, ground_known);
+        let choice = Choice::of(&settings);
         let height = settings.schedule[0][2];
         let mut walker = Self {
             omega: xcom::eigenfrequency(gravity, height),
@@ -411,6 +408,8 @@ impl Generator for Walker {
     }
 
     fn change(&mut self, settings: &ReferenceSettings) {
-        (self.settings.speeds, self.settings.speed_mps) = (settings.walker.speeds.clone(), settings.walker.speed_mps);
+        self.settings = for_ground(&settings.walker, self.ground_known);
+        let Choice { time_weight, offset_weight, latest, time_is_free, .. } = Choice::of(&self.settings);
+        self.choice = Choice { time_weight, offset_weight, latest, time_is_free, ..self.choice };
     }
 }
