@@ -80,7 +80,7 @@ struct Draw {
 /// One generation is [`ask`](Self::ask), the evaluation of its candidates by the caller, and [`tell`](Self::tell). The
 /// same arguments and costs give the same bits.
 #[derive(Clone, Debug)]
-pub struct CmaEs {
+pub(crate) struct CmaEs {
     rates: Rates,
     /// m, unfolded
     centre: DVector<f64>,
@@ -108,7 +108,7 @@ impl CmaEs {
     /// # Panics
     ///
     /// If `start` is empty or not in the unit cube, `sigma` is not a positive number, or `population` is less than 2.
-    pub fn new(start: &[f64], sigma: f64, population: Option<usize>, seed: u64) -> Self {
+    pub(crate) fn new(start: &[f64], sigma: f64, population: Option<usize>, seed: u64) -> Self {
         let n = start.len();
         assert!(n > 0 && start.iter().all(|x| (0.0..=1.0).contains(x)), "the start lies in the unit cube");
         assert!(sigma > 0.0 && sigma.is_finite(), "sigma is positive");
@@ -136,7 +136,7 @@ impl CmaEs {
     }
 
     /// The candidates of this generation, each a point of the unit cube. A second call draws anew.
-    pub fn ask(&mut self) -> Vec<Vec<f64>> {
+    pub(crate) fn ask(&mut self) -> Vec<Vec<f64>> {
         self.draws = (0..self.rates.weights.len()).map(|_| self.draw()).collect();
         // (40)
         let point = |draw: &Draw| (&self.centre + self.sigma * &draw.y).iter().map(|&u| fold(u)).collect();
@@ -159,7 +159,7 @@ impl CmaEs {
     /// # Panics
     ///
     /// If there is not one cost for each candidate of an `ask` since the last `tell`.
-    pub fn tell(&mut self, costs: &[f64]) {
+    pub(crate) fn tell(&mut self, costs: &[f64]) {
         assert!(!self.draws.is_empty(), "tell follows ask");
         assert_eq!(costs.len(), self.draws.len(), "one cost for each candidate");
         let mut ranked: Vec<(f64, Draw)> = costs
@@ -245,23 +245,18 @@ impl CmaEs {
     }
 
     /// The mean of the distribution, in the unit cube: the best guess where the optimum is.
-    pub fn mean(&self) -> &[f64] {
+    pub(crate) fn mean(&self) -> &[f64] {
         &self.mean
     }
 
     /// The step size, as a share of the cube. The standard deviation of coordinate i is this times √C_ii.
-    pub fn sigma(&self) -> f64 {
+    pub(crate) fn sigma(&self) -> f64 {
         self.sigma
-    }
-
-    /// How many generations were told.
-    pub fn generation(&self) -> u64 {
-        self.generation
     }
 
     /// Why going on is of no use, if it is not. Tutorial, B.3: `TolX` with 1e-12 of the first sigma, `ConditionCov` with
     /// 1e14, and `EqualFunValues` over 10 + ⌈30 n/λ⌉ generations (also where every cost was infinite).
-    pub fn converged(&self) -> Option<&'static str> {
+    pub(crate) fn converged(&self) -> Option<&'static str> {
         let tol_x = 1e-12 * self.first_sigma;
         let small = |x: f64| self.sigma * x < tol_x;
         if self.path_c.iter().all(|p| small(p.abs())) && self.spread().iter().all(|&s| small(s)) {
@@ -482,7 +477,7 @@ mod tests {
     fn each_reason_to_stop_is_told_when_it_holds_and_not_before() {
         let stop = |cost: fn(&[f64]) -> f64| {
             let mut search = CmaEs::new(&[0.5, 0.6], 0.2, None, 4);
-            while search.converged().is_none() && search.generation() < 1000 {
+            while search.converged().is_none() && search.generation < 1000 {
                 run(&mut search, cost, 1);
             }
             (search.converged().unwrap_or("").split(':').next().unwrap_or("").to_owned(), search)
@@ -492,7 +487,7 @@ mod tests {
         assert!(search.sigma() * search.spread().max() < 2e-13 && sphere(search.mean()) < 1e-24);
         let (reason, search) = stop(|_| 1.0);
         // 10 + ⌈30 · 2/6⌉
-        assert_eq!((reason.as_str(), search.generation()), ("flat", 20));
+        assert_eq!((reason.as_str(), search.generation), ("flat", 20));
         assert_eq!(stop(|_| f64::NAN).0, "flat");
         // The search takes on the inverse of the Hessian, here of condition 1e16.
         assert_eq!(stop(|x| (x[0] - 0.3).powi(2) + 1e16 * (x[1] - 0.3).powi(2)).0, "condition number");

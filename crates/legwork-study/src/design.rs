@@ -50,7 +50,7 @@ pub enum Design {
 }
 
 /// The runs of [`Design::OneAtATime`] as (factor, level), factor by factor; `counts` has each factor's number of levels.
-pub fn one_at_a_time(counts: &[usize]) -> impl Iterator<Item = (usize, usize)> {
+pub(crate) fn one_at_a_time(counts: &[usize]) -> impl Iterator<Item = (usize, usize)> {
     counts.iter().enumerate().flat_map(|(factor, &count)| (0..count).map(move |level| (factor, level)))
 }
 
@@ -58,7 +58,7 @@ pub fn one_at_a_time(counts: &[usize]) -> impl Iterator<Item = (usize, usize)> {
 ///
 /// # Errors
 /// More points than 64 bits can count.
-pub fn grid_count(counts: &[usize]) -> Result<u64, Error> {
+pub(crate) fn grid_count(counts: &[usize]) -> Result<u64, Error> {
     let product = counts.iter().try_fold(1_u64, |product, &count| product.checked_mul(count as u64));
     product.ok_or_else(|| invalid(format!("a grid of {counts:?} levels has more than 2^64 points; take fewer levels")))
 }
@@ -66,7 +66,7 @@ pub fn grid_count(counts: &[usize]) -> Result<u64, Error> {
 /// The levels of point `index` of [`Design::Grid`]; the first factor varies slowest.
 ///
 /// `index` must be below [`grid_count`].
-pub fn grid_point(counts: &[usize], index: u64) -> Vec<usize> {
+pub(crate) fn grid_point(counts: &[usize], index: u64) -> Vec<usize> {
     let mut rest = index;
     let mut levels: Vec<usize> = counts
         .iter()

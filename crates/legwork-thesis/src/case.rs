@@ -1,7 +1,7 @@
 //! The eight runs that the thesis's tables and figures stand for: walk and push, baseline and final design, each in
 //! both readings of the least step length.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How the thesis's least step length is read (docs/parameters.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -19,15 +19,12 @@ impl Reading {
 
     /// Its name, as the setting `reference.step.min_length_is` has it.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Displacement => "displacement",
-            Self::BaseOfSupport => "base-of-support",
-        }
+        ["displacement", "base-of-support"][self as usize]
     }
 }
 
 /// Which of the thesis's two experiments (5.1).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Experiment {
     /// Walking at 0.5 m/s.
@@ -42,15 +39,12 @@ impl Experiment {
 
     /// Its name.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Walk => "walk",
-            Self::Push => "push",
-        }
+        ["walk", "push"][self as usize]
     }
 }
 
 /// Which of the thesis's two sets of controller parameters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Gains {
     /// Table D.1, at 220 Nm.
@@ -101,7 +95,7 @@ impl Case {
     }
 
     /// The case of that scenario.
-    pub fn of_scenario(name: &str) -> Option<Self> {
+    pub(crate) fn of_scenario(name: &str) -> Option<Self> {
         Self::all().find(|case| case.scenario() == name)
     }
 }

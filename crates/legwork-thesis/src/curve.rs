@@ -1,161 +1,145 @@
 //! A figure over the levels of a sweep, and what is asked of it in the terms of [`super::terms`].
 
+use std::fmt::Display;
+
 use super::statistics::{spearman, spread, straightness};
 use super::sweep::{Sweep, Tried};
 use super::terms::{Check, DIMINISHED, FEWEST, POOR, STRAIGHT, TREND, VISIBLE};
-use super::words::{digits, with_unit};
-use legwork::metrics::FIGURES;
+use super::words::{self, digits, with_unit};
+use legwork::metrics::Figure;
 
 /// A figure over some levels of a sweep.
 #[derive(Clone, Debug)]
-pub struct Curve<'a> {
+pub(crate) struct Curve<'a> {
     sweep: &'a Sweep,
-    figure: &'static str,
+    figure: &'static Figure,
     tried: Vec<&'a Tried>,
 }
 
 impl<'a> Curve<'a> {
-    /// The figure of that name in [`FIGURES`] over the levels from `low` to `high`.
-    pub fn new(sweep: &'a Sweep, figure: &'static str, low: f64, high: f64) -> Self {
+    /// The figure over the levels from `low` to `high`.
+    pub(crate) fn new(sweep: &'a Sweep, figure: &'static Figure, low: f64, high: f64) -> Self {
         Self { sweep, figure, tried: sweep.between(low, high).collect() }
     }
 
     /// It over the levels at which the robot stands.
-    pub fn standing(mut self) -> Self {
+    pub(crate) fn standing(mut self) -> Self {
         self.tried.retain(|tried| tried.rollout.survived());
         self
     }
 
     /// Levels and values where the robot stands.
     fn points(&self) -> (Vec<f64>, Vec<f64>) {
-        self.tried.iter().filter_map(|tried| Some((tried.level, tried.figure(self.figure)?))).unzip()
+        self.tried.iter().filter_map(|tried| Some((tried.level, tried.figure(self.figure.name)?))).unzip()
     }
 
     fn own(&self) -> Option<f64> {
-        self.sweep.at_marked().figure(self.figure)
+        self.sweep.at_marked().figure(self.figure.name)
     }
 
     /// It and where it goes, in words: `walk: mean feet error 0.0026 m at 200 Nm, 0.0018 m at 500 Nm`.
     fn words(&self) -> String {
-        let figure = FIGURES.iter().find(|figure| figure.name == self.figure).expect("figures are known by name");
-        let kind = figure.name.rsplit('.').next().unwrap_or_default();
         let (levels, values) = self.points();
-        let at =
-            |i: usize| format!("{} at {}", with_unit(values[i], figure.unit), with_unit(levels[i], self.sweep.unit));
+        let at = |i: usize| {
+            format!("{} at {}", with_unit(values[i], self.figure.unit), with_unit(levels[i], self.sweep.unit))
+        };
         let path = match levels.len() {
             0 => "at no level".to_owned(),
             1 => at(0),
             last => format!("{}, {}", at(0), at(last - 1)),
         };
-        format!("{}: {kind} {} {path}", self.sweep.case.experiment.name(), figure.label)
+        format!("{}: {} {path}", self.sweep.case.experiment.name(), words::figure(self.figure))
     }
 
-    fn too_few(&self) -> Option<Check> {
-        let count = self.points().0.len();
-        (count < FEWEST).then(|| {
-            Check::new(false, format!("{}; stands at {count} of {} levels only", self.words(), self.tried.len()))
-        })
+    /// What `judge` says of levels and values, where the robot stands at enough levels.
+    fn judged(&self, judge: impl Fn(&[f64], &[f64]) -> (bool, String)) -> Check {
+        let (levels, values) = self.points();
+        let (holds, finding) = if levels.len() < FEWEST {
+            (false, format!("stands at {} of {} levels only", levels.len(), self.tried.len()))
+        } else {
+            judge(&levels, &values)
+        };
+        self.check(holds, finding)
+    }
+
+    fn check(&self, holds: bool, finding: impl Display) -> Check {
+        Check::new(holds, format!("{}; {finding}", self.words()))
     }
 
     fn trend(&self, sign: f64) -> Check {
-        self.too_few().unwrap_or_else(|| {
-            let (levels, values) = self.points();
-            match spearman(&levels, &values) {
-                Some(rank) => {
-                    let mean = values.iter().sum::<f64>() / values.len() as f64;
-                    let change = spread(&values).unwrap_or(0.0) / mean;
-                    let finding =
-                        format!("{}; rank correlation {rank:.2}, change {:.1} %", self.words(), 100.0 * change);
-                    Check::new(sign * rank >= TREND && change >= VISIBLE, finding)
-                }
-                None => Check::new(false, format!("{}; the same at all levels", self.words())),
-            }
+        self.judged(|levels, values| {
+            let Some(rank) = spearman(levels, values) else { return (false, "the same at all levels".to_owned()) };
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let change = spread(values).unwrap_or(0.0) / mean;
+            let finding = format!("rank correlation {rank:.2}, change {:.1} %", 100.0 * change);
+            (sign * rank >= TREND && change >= VISIBLE, finding)
         })
     }
 
     /// It rises with the parameter.
-    pub fn rises(&self) -> Check {
+    pub(crate) fn rises(&self) -> Check {
         self.trend(1.0)
     }
 
     /// It sinks with the parameter.
-    pub fn sinks(&self) -> Check {
+    pub(crate) fn sinks(&self) -> Check {
         self.trend(-1.0)
     }
 
     /// It is a straight line.
-    pub fn is_straight(&self) -> Check {
-        self.too_few().unwrap_or_else(|| {
-            let (levels, values) = self.points();
-            let share = straightness(&levels, &values).unwrap_or(0.0);
-            Check::new(share >= STRAIGHT, format!("{}; a line explains {:.0} %", self.words(), 100.0 * share))
+    pub(crate) fn is_straight(&self) -> Check {
+        self.judged(|levels, values| {
+            let share = straightness(levels, values).unwrap_or(0.0);
+            (share >= STRAIGHT, format!("a line explains {:.0} %", 100.0 * share))
         })
     }
 
     /// It sinks less in the upper half of the levels than in the lower.
-    pub fn diminishes(&self) -> Check {
-        self.too_few().unwrap_or_else(|| {
-            let (levels, values) = self.points();
+    pub(crate) fn diminishes(&self) -> Check {
+        self.judged(|levels, values| {
             let (half, last) = (levels.len() / 2, levels.len() - 1);
             let (lower, upper) = (values[0] - values[half], values[half] - values[last]);
-            let finding = format!(
-                "{}; sinks by {} up to {} and by {} above",
-                self.words(),
-                digits(lower),
-                with_unit(levels[half], self.sweep.unit),
-                digits(upper)
-            );
-            Check::new(lower > 0.0 && upper < DIMINISHED * lower, finding)
+            let middle = with_unit(levels[half], self.sweep.unit);
+            let finding = format!("sinks by {} up to {middle} and by {} above", digits(lower), digits(upper));
+            (lower > 0.0 && upper < DIMINISHED * lower, finding)
         })
     }
 
     /// It changes by no more than `share` of the baseline's own, and the robot stands at all levels.
-    pub fn changes_at_most(&self, share: f64) -> Check {
+    pub(crate) fn changes_at_most(&self, share: f64) -> Check {
         let (_, values) = self.points();
-        let fallen = self.tried.len() - values.len();
-        match (self.own(), spread(&values)) {
-            (Some(own), Some(spread)) => {
-                let mut finding =
-                    format!("{}; changes by {:.1} % of the baseline's", self.words(), 100.0 * spread / own);
-                if fallen > 0 {
-                    finding += &format!("; falls at {fallen} of {} levels", self.tried.len());
-                }
-                Check::new(fallen == 0 && spread <= share * own, finding)
-            }
-            _ => Check::new(false, format!("{}; the baseline itself falls", self.words())),
-        }
+        let (fallen, of) = (self.tried.len() - values.len(), self.tried.len());
+        let Some((own, spread)) = self.own().zip(spread(&values)) else {
+            return self.check(false, "the baseline itself falls");
+        };
+        let falls = if fallen > 0 { format!("; falls at {fallen} of {of} levels") } else { String::new() };
+        let finding = format!("changes by {:.1} % of the baseline's{falls}", 100.0 * spread / own);
+        self.check(fallen == 0 && spread <= share * own, finding)
     }
 
     /// It is poor at every level.
-    pub fn is_poor(&self) -> Check {
-        let Some(own) = self.own() else {
-            return Check::new(false, format!("{}; the baseline itself falls", self.words()));
-        };
+    pub(crate) fn is_poor(&self) -> Check {
+        let Some(own) = self.own() else { return self.check(false, "the baseline itself falls") };
         let (_, values) = self.points();
-        let fallen = self.tried.len() - values.len();
+        let (fallen, of) = (self.tried.len() - values.len(), self.tried.len());
         let poor = values.iter().filter(|&&value| value >= POOR * own).count();
-        let of = self.tried.len();
-        let finding = format!("{}; poor at {poor}, a fall at {fallen} of {of} levels", self.words());
-        Check::new(of > 0 && poor + fallen == of, finding)
+        self.check(of > 0 && poor + fallen == of, format!("poor at {poor}, a fall at {fallen} of {of} levels"))
     }
 
     /// It changes from the first to the last level at which the robot stands by more than `share` of the first, upwards
     /// for a positive sign.
-    pub fn moves(&self, sign: f64, share: f64) -> Check {
+    pub(crate) fn moves(&self, sign: f64, share: f64) -> Check {
         let (_, values) = self.points();
-        match values.as_slice() {
-            [first, .., last] => {
-                let change = last / first - 1.0;
-                let finding = format!("{}; {:+.1} %", self.words(), 100.0 * change);
-                Check::new(sign * change > share, finding)
-            }
-            _ => Check::new(false, format!("{}; too few levels at which it stands", self.words())),
-        }
+        let [first, .., last] = values.as_slice() else {
+            return self.check(false, "too few levels at which it stands");
+        };
+        let change = last / first - 1.0;
+        self.check(sign * change > share, format!("{:+.1} %", 100.0 * change))
     }
 }
 
 /// The robot falls at every level of the sweep from `low` to `high`, and does not with the baseline's own.
-pub fn falls_at_all(sweep: &Sweep, low: f64, high: f64) -> Check {
+pub(crate) fn falls_at_all(sweep: &Sweep, low: f64, high: f64) -> Check {
     let (stands, text) = endings(sweep, low, high);
     let tried = sweep.between(low, high).next().is_some();
     if !sweep.at_marked().rollout.survived() {
@@ -165,7 +149,7 @@ pub fn falls_at_all(sweep: &Sweep, low: f64, high: f64) -> Check {
 }
 
 /// The robot stands at every level of the sweep from `low` to `high`.
-pub fn stands_at_all(sweep: &Sweep, low: f64, high: f64) -> Check {
+pub(crate) fn stands_at_all(sweep: &Sweep, low: f64, high: f64) -> Check {
     let (stands, text) = endings(sweep, low, high);
     Check::new(stands.len() == sweep.between(low, high).count(), text)
 }
@@ -196,7 +180,7 @@ fn endings(sweep: &Sweep, low: f64, high: f64) -> (Vec<f64>, String) {
 mod tests {
     use super::*;
     use crate::case::{Case, Experiment, Gains, Reading};
-    use crate::sweep::COM;
+    use crate::sweep::{COM, definition};
     use crate::terms::LITTLE;
     use legwork_study::{Ending, Rollout};
 
@@ -224,7 +208,7 @@ mod tests {
     }
 
     fn check(values: &[Option<f64>], of: impl Fn(&Curve) -> Check) -> bool {
-        of(&Curve::new(&sweep(values), COM, 0.0, f64::INFINITY)).holds
+        of(&Curve::new(&sweep(values), definition(COM), 0.0, f64::INFINITY)).holds
     }
 
     fn all(values: &[f64]) -> Vec<Option<f64>> {
@@ -261,11 +245,12 @@ mod tests {
 
     #[test]
     fn poor_is_twice_the_baselines_or_a_fall_at_every_level() {
-        let poor = |values: &[Option<f64>]| Curve::new(&sweep(values), COM, 2.0, f64::INFINITY).is_poor().holds;
+        let poor =
+            |values: &[Option<f64>]| Curve::new(&sweep(values), definition(COM), 2.0, f64::INFINITY).is_poor().holds;
         assert!(poor(&[Some(1.0), Some(2.0), None]) && !poor(&[Some(1.0), Some(1.9), None]));
         assert!(!poor(&[None, Some(9.0)]) && !poor(&[Some(1.0)]));
         let falls = sweep(&[Some(1.0), None]);
-        assert!(!Curve::new(&falls, COM, 2.0, 9.0).standing().is_poor().holds, "no level stands");
+        assert!(!Curve::new(&falls, definition(COM), 2.0, 9.0).standing().is_poor().holds, "no level stands");
     }
 
     #[test]

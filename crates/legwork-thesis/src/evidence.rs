@@ -1,7 +1,6 @@
 //! All that was run, and how claims and questions find in it what they need.
 
 use super::case::{Case, Experiment, Gains, Reading};
-use super::curve::Curve;
 use super::limits::{LimitRow, Measured};
 use super::sweep::Sweep;
 use super::trial::{Trial, TrialResult};
@@ -33,7 +32,7 @@ impl Evidence {
     }
 
     /// The run of an experiment's baseline.
-    pub fn baseline_run(&self, reading: Reading, experiment: Experiment) -> &Run {
+    pub(crate) fn baseline_run(&self, reading: Reading, experiment: Experiment) -> &Run {
         self.run(Case::new(reading, experiment, Gains::Baseline))
     }
 
@@ -44,11 +43,6 @@ impl Evidence {
     pub fn sweep(&self, study: &str, reading: Reading, experiment: Experiment) -> &Sweep {
         let is_it = |s: &&Sweep| s.study == study && s.reading() == reading && s.case.experiment == experiment;
         self.sweeps.iter().find(is_it).unwrap_or_else(|| panic!("no sweep {study}"))
-    }
-
-    /// A figure over a sweep's levels from `low` to `high`.
-    pub fn curve(&self, of: (&str, Reading, Experiment), figure: &'static str, (low, high): (f64, f64)) -> Curve<'_> {
-        Curve::new(self.sweep(of.0, of.1, of.2), figure, low, high)
     }
 
     /// What a trial gave.
@@ -66,8 +60,12 @@ impl Evidence {
     /// # Panics
     /// If there is none of that name.
     pub fn limit(&self, quantity: &str, reading: Reading) -> &Measured {
+        self.limit_row(quantity, reading).1
+    }
+
+    pub(crate) fn limit_row(&self, quantity: &str, reading: Reading) -> (&LimitRow, &Measured) {
         let row = self.limits.iter().find(|row| row.quantity == quantity);
         let row = row.unwrap_or_else(|| panic!("no limit {quantity}"));
-        row.measured.iter().find(|measured| measured.reading == reading).expect("both readings are measured")
+        (row, row.measured.iter().find(|measured| measured.reading == reading).expect("both readings are measured"))
     }
 }

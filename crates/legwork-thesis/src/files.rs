@@ -156,7 +156,10 @@ fn claims(claims: &[Claim], folder: &Path) -> Result<(), Error> {
                     [claim.id, claim.section(), claim.says, claim.test, reading, verdict, holds, &check.finding];
                 let mut row = first.map(Cell::from).to_vec();
                 row.push(found.why.map_or(Cell::Empty, Cell::from));
-                row.extend([claim.source.file, claim.source.rows, &claim.source.columns.join(" ")].map(Cell::from));
+                let source = &claim.source;
+                row.extend(
+                    [&source.file, &source.rows, &source.columns.join(" ")].map(|text| Cell::from(text.as_str())),
+                );
                 rows.push(row);
             }
         }

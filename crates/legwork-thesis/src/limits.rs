@@ -1,148 +1,88 @@
 //! The thesis's limits (Chapters 6 and 7): how fast, with how little torque and force, how hard a push.
 
-use serde::Serialize;
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
 
 use super::case::{Case, Experiment, Gains, Reading};
-use super::trial::{REPLAN, torque_limit};
+use super::sweep::definition;
+use super::trial::set;
 use legwork::episode::Run;
 use legwork::error::Error;
+use legwork_study::Base;
 use legwork_study::limits::{Answer, Held, Question, SPEED_SHARE};
 use legwork_study::search::Search;
-use legwork_study::{Base, Change};
 
 /// A limit that is searched for.
-#[derive(Clone, Debug)]
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Sought {
     /// Its name.
-    pub quantity: &'static str,
-    /// Its unit.
-    pub unit: &'static str,
-    /// Where the thesis gives it.
-    pub section: &'static str,
-    /// What the thesis gives.
-    pub thesis: Option<f64>,
-    /// What is said of it beside the figures.
-    pub remark: &'static str,
+    pub quantity: String,
+    thesis: Option<f64>,
+    remark: String,
+    of: String,
     experiment: Experiment,
     gains: Gains,
-    sets: &'static [&'static str],
     torque_nm: f64,
-    path: &'static str,
+    #[serde(default)]
+    sets: Vec<String>,
+    /// The largest mean CoM error of a speed that is followed closely [m].
+    follows: Option<f64>,
+}
+
+/// What is varied to find a limit, from one value to another.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Varied {
+    section: String,
+    unit: String,
+    path: String,
     range: [f64; 2],
     resolution: f64,
-    parts: u32,
-    held: Held,
+    /// The limit as a multiple of the value.
+    #[serde(default = "one")]
     factor: f64,
 }
 
-/// Top speed at the final design's torque limit.
-pub const TOP_SPEED_220: &str = "top speed at 220 Nm";
-/// Top speed with more torque.
-pub const TOP_SPEED_300: &str = "top speed at 300 Nm";
-/// Top speed that is followed closely, at the final design's torque limit.
-pub const FOLLOWED_220: &str = "top speed followed, 220 Nm";
-/// The same with more torque.
-pub const FOLLOWED_300: &str = "top speed followed, 300 Nm";
-/// Lowest torque limit of the baseline's walk.
-pub const TORQUE_WALK: &str = "lowest torque limit, walk";
-/// Lowest torque limit of the baseline's push.
-pub const TORQUE_PUSH: &str = "lowest torque limit, push";
-/// Lowest force limit of the baseline's walk.
-pub const FORCE_WALK: &str = "lowest force limit, walk";
-/// Lowest force limit of the baseline's push.
-pub const FORCE_PUSH: &str = "lowest force limit, push";
-/// Largest push of the final design.
+fn one() -> f64 {
+    1.0
+}
+
+/// A limit that is a figure of the final design's run.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct OfRuns {
+    quantity: String,
+    section: String,
+    thesis: f64,
+    remark: String,
+    experiment: Experiment,
+    figure: String,
+}
+
+#[derive(Debug, Deserialize)]
+struct Limits {
+    varied: BTreeMap<String, Varied>,
+    sought: Vec<Sought>,
+    of_runs: Vec<OfRuns>,
+}
+
+static LIMITS: LazyLock<Limits> =
+    LazyLock::new(|| toml::from_str(include_str!("limits.toml")).expect("the file of limits is ours"));
+
+/// Largest push of the final design, in `limits.toml`.
 pub const LARGEST_PUSH: &str = "largest push";
 /// Largest push with re-planning in mid-swing, which is not the thesis's.
 pub const LARGEST_PUSH_REPLAN: &str = "largest push, re-planned in mid-swing";
-
-const SPEED: Sought = Sought {
-    quantity: TOP_SPEED_220,
-    unit: "m/s",
-    section: "7.1.3",
-    thesis: Some(0.60),
-    remark: "mean speed within 5 % of the one asked for, from 0.5 m/s up; the final design",
-    experiment: Experiment::Walk,
-    gains: Gains::Final,
-    sets: &[],
-    torque_nm: 220.0,
-    path: "reference.com.speed_mps",
-    range: [0.5, 2.0],
-    resolution: 0.025,
-    parts: 6,
-    held: Held::KeepsSpeed(SPEED_SHARE),
-    factor: 1.0,
-};
-const TORQUE: Sought = Sought {
-    quantity: TORQUE_WALK,
-    unit: "Nm",
-    section: "6.1",
-    thesis: Some(200.0),
-    remark: "on its feet to the end, from 500 Nm down; the baseline",
-    gains: Gains::Baseline,
-    torque_nm: 500.0,
-    path: "controller.limits.torque_nm",
-    range: [500.0, 100.0],
-    resolution: 5.0,
-    parts: 6,
-    held: Held::OnItsFeet,
-    ..SPEED
-};
-const FORCE: Sought = Sought {
-    quantity: FORCE_WALK,
-    unit: "N",
-    section: "6.3.1",
-    thesis: None,
-    remark: "on its feet to the end, from 1000 N down; the baseline at 220 Nm",
-    torque_nm: 220.0,
-    path: "controller.limits.grf_n",
-    range: [1000.0, 300.0],
-    resolution: 10.0,
-    parts: 6,
-    ..TORQUE
-};
-const PUSH: Sought = Sought {
-    quantity: LARGEST_PUSH,
-    unit: "Ns",
-    section: "7.1.4",
-    thesis: Some(140.0),
-    remark: "on its feet to the end, a push of 0.2 s forward, from none up; the final design",
-    experiment: Experiment::Push,
-    gains: Gains::Final,
-    path: "pushes.0.force_n",
-    range: [0.0, 1400.0],
-    resolution: 10.0,
-    parts: 6,
-    factor: 0.2,
-    ..FORCE
-};
-
-const FOLLOWED: Sought = Sought {
-    quantity: FOLLOWED_220,
-    remark: "mean CoM error at most 0.05 m, from 0.5 m/s up; the final design",
-    held: Held::Follows(0.05),
-    ..SPEED
-};
+/// Intervals in which a search looks for a first failure.
+const PARTS: u32 = 6;
 
 /// All that are searched for.
-pub const SOUGHT: [Sought; 10] = [
-    SPEED,
-    Sought { quantity: TOP_SPEED_300, thesis: Some(1.25), torque_nm: 300.0, ..SPEED },
-    FOLLOWED,
-    Sought { quantity: FOLLOWED_300, thesis: Some(1.25), torque_nm: 300.0, ..FOLLOWED },
-    TORQUE,
-    Sought { quantity: TORQUE_PUSH, experiment: Experiment::Push, ..TORQUE },
-    FORCE,
-    Sought { quantity: FORCE_PUSH, thesis: Some(750.0), experiment: Experiment::Push, ..FORCE },
-    PUSH,
-    Sought {
-        quantity: LARGEST_PUSH_REPLAN,
-        thesis: None,
-        remark: "as the largest push, the step length planned again while the foot swings; not in the thesis",
-        sets: &[REPLAN],
-        ..PUSH
-    },
-];
+pub fn sought() -> &'static [Sought] {
+    &LIMITS.sought
+}
 
 /// A limit beside the thesis's.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -177,26 +117,34 @@ pub struct Measured {
 }
 
 impl Sought {
+    fn varied(&self) -> &'static Varied {
+        &LIMITS.varied[&self.of]
+    }
+
     /// Searches; none where `stop` says so before.
     ///
     /// # Errors
     /// A setting is not one of the scenario.
-    pub fn search(&self, reading: Reading, stop: impl Fn() -> bool + Sync) -> Result<Option<Answer>, Error> {
-        let case = Case::new(reading, self.experiment, self.gains);
-        let mut sets: Vec<String> = self.sets.iter().map(|&set| set.to_owned()).collect();
-        sets.push(torque_limit(self.torque_nm));
+    pub fn search(&'static self, reading: Reading, stop: impl Fn() -> bool + Sync) -> Result<Option<Answer>, Error> {
+        let (case, varied) = (Case::new(reading, self.experiment, self.gains), self.varied());
+        let sets: Vec<String> =
+            self.sets.iter().cloned().chain([set("controller.limits.torque_nm", self.torque_nm)]).collect();
         let base = Base::load(case.scenario(), &sets)?;
-        let [from, to] = self.range;
-        let fixed: Vec<(&'static str, Change)> = Vec::new();
-        let mut question = Question::new(&base, self.quantity, (self.path, from, to), fixed, self.held)?;
-        question.search =
-            Search { resolution: self.resolution, parts: self.parts, neighbours: 2, nudges: 0, ..question.search };
-        (question.unit, question.factor) = (self.unit, self.factor);
+        let [from, to] = varied.range;
+        let held = match (self.follows, self.of.as_str()) {
+            (Some(error_m), _) => Held::Follows(error_m),
+            (None, "speed") => Held::KeepsSpeed(SPEED_SHARE),
+            (None, _) => Held::OnItsFeet,
+        };
+        let mut question = Question::new(&base, &self.quantity, (&varied.path, from, to), Vec::new(), held)?;
+        let resolution = varied.resolution;
+        question.search = Search { resolution, parts: PARTS, neighbours: 2, nudges: 0, ..question.search };
+        (question.unit, question.factor) = (&varied.unit, varied.factor);
         Ok(question.answer(stop))
     }
 
     /// The row of its answers, which are in the order of [`Reading::ALL`].
-    pub fn row(&self, answers: &[Answer]) -> LimitRow {
+    pub(crate) fn row(&'static self, answers: &[Answer]) -> LimitRow {
         let measured = Reading::ALL.iter().zip(answers).map(|(&reading, answer)| Measured {
             reading,
             value: answer.found.value,
@@ -204,59 +152,28 @@ impl Sought {
             reason: answer.found.reason_beyond.clone(),
             furthest_held: answer.found.furthest_held,
         });
-        LimitRow {
-            quantity: self.quantity,
-            unit: self.unit,
-            section: self.section,
-            thesis: self.thesis,
-            remark: self.remark,
-            measured: measured.collect(),
-        }
+        let Varied { unit, section, .. } = self.varied();
+        let (quantity, thesis, remark) = (&self.quantity, self.thesis, &self.remark);
+        LimitRow { quantity, unit, section, thesis, remark, measured: measured.collect() }
     }
 }
 
 /// The rows that are figures of the final design's runs; `run` finds them.
-pub fn of_runs<'a>(run: impl Fn(Case) -> &'a Run) -> Vec<LimitRow> {
-    type Figure = fn(&Run) -> Option<f64>;
-    let rows: [(_, _, _, _, _, _, Figure); 4] = [
-        (
-            "recovery time",
-            "s",
-            "7.1.4",
-            4.2,
-            "from the push's beginning until the CoM error stays below 0.05 m",
-            Experiment::Push,
-            |run| run.metrics.recovery_time_s,
-        ),
-        (
-            "recovery distance",
-            "m",
-            "7.1.4",
-            0.85,
-            "largest horizontal CoM error after the push",
-            Experiment::Push,
-            |run| run.metrics.recovery_distance_m,
-        ),
-        (
-            "single support",
-            "",
-            "7.2.1",
-            0.35,
-            "share of the ticks from a step's trigger to its touchdown",
-            Experiment::Walk,
-            |run| Some(run.metrics.single_support_fraction),
-        ),
-        ("speed of the walk", "m/s", "7.1.3", 0.5, "displacement of the CoM over the time", Experiment::Walk, |run| {
-            Some(run.metrics.mean_speed_mps)
-        }),
-    ];
-    let row = |(quantity, unit, section, thesis, remark, experiment, figure): (_, _, _, _, _, _, Figure)| {
+pub(crate) fn of_runs<'a>(run: impl Fn(Case) -> &'a Run) -> Vec<LimitRow> {
+    let row = |limit: &'static OfRuns| {
+        let figure = definition(&limit.figure);
         let measured = |reading| {
-            let value = figure(run(Case::new(reading, experiment, Gains::Final)));
+            let value = (figure.of)(&run(Case::new(reading, limit.experiment, Gains::Final)).metrics);
             Measured { reading, value, first_failure: None, reason: None, furthest_held: None }
         };
-        let measured = Reading::ALL.map(measured).to_vec();
-        LimitRow { quantity, unit, section, thesis: Some(thesis), remark, measured }
+        LimitRow {
+            quantity: &limit.quantity,
+            unit: figure.unit,
+            section: &limit.section,
+            thesis: Some(limit.thesis),
+            remark: &limit.remark,
+            measured: Reading::ALL.map(measured).into(),
+        }
     };
-    rows.map(row).to_vec()
+    LIMITS.of_runs.iter().map(row).collect()
 }

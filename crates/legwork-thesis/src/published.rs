@@ -1,6 +1,6 @@
 //! What the thesis publishes, to be held beside what is measured. Thesis Tables 6.1, 6.2, 6.4, 6.5 and Chapter 7
 
-use legwork::metrics::{MeanPeak, Metrics};
+use legwork::metrics::{FIGURES, Figure, Metrics};
 
 /// One row of the comparison.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,129 +19,53 @@ pub struct Row {
     pub measured_peak: Option<f64>,
 }
 
-/// The published figures of one experiment.
-#[derive(Clone, Copy, Debug)]
-struct Published {
-    scenarios: &'static [&'static str],
-    com_error_m: (f64, f64),
-    com_error_vertical_m: Option<(f64, f64)>,
-    feet_error_m: (f64, f64),
-    torso_deviation_rad: (f64, f64),
-    torque_nm: (f64, f64),
-    grf_n: (f64, f64),
-    u2_n2m2: (f64, f64),
-    single_support_fraction: Option<f64>,
-    recovery_time_s: Option<f64>,
-    recovery_distance_m: Option<f64>,
-    mean_speed_mps: Option<f64>,
-}
+/// The scenarios that a table of the thesis is of: Tables 6.4 (with Section 7.2.1), 6.5 (with 7.1.4), 6.1 and 6.2.
+const SCENARIOS: [&[&str]; 4] =
+    [&["walk", "walk-support"], &["push", "push-support"], &["walk-baseline"], &["push-baseline"]];
 
-const PUBLISHED: [Published; 4] = [
-    // Table 6.4; single support from Section 7.2.1
-    Published {
-        scenarios: &["walk", "walk-support"],
-        com_error_m: (0.013, 0.028),
-        com_error_vertical_m: None,
-        feet_error_m: (1.8e-3, 0.034),
-        torso_deviation_rad: (0.017, 0.058),
-        torque_nm: (69.6, 220.0),
-        grf_n: (356.1, 1027.0),
-        u2_n2m2: (3.0e4, 1.17e5),
-        single_support_fraction: Some(0.35),
-        recovery_time_s: None,
-        recovery_distance_m: None,
-        mean_speed_mps: Some(0.5),
-    },
-    // Table 6.5; recovery from Section 7.1.4
-    Published {
-        scenarios: &["push", "push-support"],
-        com_error_m: (0.36, 0.85),
-        com_error_vertical_m: Some((9.3e-3, 0.028)),
-        feet_error_m: (1.5e-3, 0.055),
-        torso_deviation_rad: (0.024, 0.058),
-        torque_nm: (59.6, 220.0),
-        grf_n: (362.2, 1051.0),
-        u2_n2m2: (2.8e4, 1.3e5),
-        single_support_fraction: None,
-        recovery_time_s: Some(4.2),
-        recovery_distance_m: Some(0.85),
-        mean_speed_mps: None,
-    },
-    // Table 6.1
-    Published {
-        scenarios: &["walk-baseline"],
-        com_error_m: (0.012, 0.027),
-        com_error_vertical_m: None,
-        feet_error_m: (2.6e-3, 0.034),
-        torso_deviation_rad: (0.015, 0.058),
-        torque_nm: (70.4, 220.0),
-        grf_n: (355.3, 1024.0),
-        u2_n2m2: (3.0e4, 1.17e5),
-        single_support_fraction: None,
-        recovery_time_s: None,
-        recovery_distance_m: None,
-        mean_speed_mps: Some(0.5),
-    },
-    // Table 6.2; the peak of the feet's error is printed as 0.79, probably 0.079 (docs/thesis.md)
-    Published {
-        scenarios: &["push-baseline"],
-        com_error_m: (0.40, 0.91),
-        com_error_vertical_m: Some((8.3e-3, 0.042)),
-        feet_error_m: (2.3e-3, 0.079),
-        torso_deviation_rad: (0.019, 0.058),
-        torque_nm: (60.6, 220.0),
-        grf_n: (359.1, 1059.0),
-        u2_n2m2: (2.8e4, 1.3e5),
-        single_support_fraction: None,
-        recovery_time_s: None,
-        recovery_distance_m: Some(0.91),
-        mean_speed_mps: None,
-    },
+/// The figures by their names in [`FIGURES`], without mean and peak; how they are called beside the thesis's; and what it publishes in the
+/// order of [`SCENARIOS`]: mean and peak, a single value, or nothing.
+const ROWS: [(&str, &str, [&[f64]; 4]); 20] = [
+    ("com_error_m", "CoM error", [&[0.013, 0.028], &[0.36, 0.85], &[0.012, 0.027], &[0.40, 0.91]]),
+    ("com_error_vertical_m", "CoM error, vertical", [&[], &[9.3e-3, 0.028], &[], &[8.3e-3, 0.042]]),
+    // The peak of the baseline's push is printed as 0.79, probably 0.079 (docs/thesis.md).
+    ("feet_error_m", "feet error", [&[1.8e-3, 0.034], &[1.5e-3, 0.055], &[2.6e-3, 0.034], &[2.3e-3, 0.079]]),
+    ("torso_deviation_rad", "torso deviation", [&[0.017, 0.058], &[0.024, 0.058], &[0.015, 0.058], &[0.019, 0.058]]),
+    ("torque_nm", "joint torque", [&[69.6, 220.0], &[59.6, 220.0], &[70.4, 220.0], &[60.6, 220.0]]),
+    ("grf_n", "ground reaction force", [&[356.1, 1027.0], &[362.2, 1051.0], &[355.3, 1024.0], &[359.1, 1059.0]]),
+    ("grf_simulated_n", "ground reaction force, simulated", [&[]; 4]),
+    ("u2_n2m2", "u²", [&[3.0e4, 1.17e5], &[2.8e4, 1.3e5], &[3.0e4, 1.17e5], &[2.8e4, 1.3e5]]),
+    ("single_support_fraction", "single support", [&[0.35], &[], &[], &[]]),
+    ("steps", "steps", [&[]; 4]),
+    ("recovery_time_s", "recovery time", [&[], &[4.2], &[], &[]]),
+    ("recovery_distance_m", "recovery distance", [&[], &[0.85], &[], &[0.91]]),
+    ("mean_speed_mps", "mean speed", [&[0.5], &[], &[0.5], &[]]),
+    ("xcom_error_m", "XcoM error", [&[]; 4]),
+    ("xcom_margin_min_m", "smallest XcoM margin", [&[]; 4]),
+    ("xcom_outside_fraction", "XcoM outside of the support", [&[]; 4]),
+    ("cmp_offset_m", "distance of CMP and CoP", [&[]; 4]),
+    ("capture_steps", "most steps to a stop", [&[]; 4]),
+    ("uncapturable_fraction", "no number of steps to a stop", [&[]; 4]),
+    ("cost_of_transport", "cost of transport", [&[]; 4]),
 ];
 
 /// Every figure of `metrics` beside what the thesis publishes for the scenario of that name, where it does.
 pub fn compare(scenario: &str, metrics: &Metrics) -> Vec<Row> {
-    let published = PUBLISHED.iter().find(|published| published.scenarios.contains(&scenario));
-    let either = |label, unit, published: Option<(f64, f64)>, measured: Option<MeanPeak>| Row {
-        label,
-        unit,
-        published: published.map(|(mean, _)| mean),
-        published_peak: published.map(|(_, peak)| peak),
-        measured: measured.map(|figure| figure.mean),
-        measured_peak: measured.map(|figure| figure.peak),
+    let table = SCENARIOS.iter().position(|scenarios| scenarios.contains(&scenario));
+    let row = |(name, label, published): &(&str, &'static str, [&[f64]; 4])| {
+        let published = table.map_or(&[][..], |table| published[table]);
+        // The mean and the peak of the figure, or itself.
+        let is_of = |figure: &&Figure| figure.name.split('.').next() == Some(name);
+        let figures: Vec<&Figure> = FIGURES.iter().filter(is_of).collect();
+        let measured = |place: usize| figures.get(place).and_then(|figure| (figure.of)(metrics));
+        Row {
+            label,
+            unit: figures[0].unit,
+            published: published.first().copied(),
+            published_peak: published.get(1).copied(),
+            measured: measured(0),
+            measured_peak: measured(1),
+        }
     };
-    let both = |label, unit, published, measured| either(label, unit, published, Some(measured));
-    let single = |label, unit, published: Option<f64>, measured: Option<f64>| Row {
-        label,
-        unit,
-        published,
-        published_peak: None,
-        measured,
-        measured_peak: None,
-    };
-    let pair = |get: fn(&Published) -> (f64, f64)| published.map(get);
-    let one = |get: fn(&Published) -> Option<f64>| published.and_then(get);
-    let m = metrics;
-    vec![
-        either("CoM error", "m", pair(|p| p.com_error_m), m.com_error_m),
-        either("CoM error, vertical", "m", published.and_then(|p| p.com_error_vertical_m), m.com_error_vertical_m),
-        both("feet error", "m", pair(|p| p.feet_error_m), m.feet_error_m),
-        both("torso deviation", "rad", pair(|p| p.torso_deviation_rad), m.torso_deviation_rad),
-        both("joint torque", "Nm", pair(|p| p.torque_nm), m.torque_nm),
-        both("ground reaction force", "N", pair(|p| p.grf_n), m.grf_n),
-        both("ground reaction force, simulated", "N", None, m.grf_simulated_n),
-        both("u²", "N²m²", pair(|p| p.u2_n2m2), m.u2_n2m2),
-        single("single support", "", one(|p| p.single_support_fraction), Some(m.single_support_fraction)),
-        single("steps", "", None, Some(f64::from(m.steps))),
-        single("recovery time", "s", one(|p| p.recovery_time_s), m.recovery_time_s),
-        single("recovery distance", "m", one(|p| p.recovery_distance_m), m.recovery_distance_m),
-        single("mean speed", "m/s", one(|p| p.mean_speed_mps), Some(m.mean_speed_mps)),
-        either("XcoM error", "m", None, m.xcom_error_m),
-        single("smallest XcoM margin", "m", None, m.xcom_margin_min_m),
-        single("XcoM outside of the support", "", None, m.xcom_outside_fraction),
-        either("distance of CMP and CoP", "m", None, m.cmp_offset_m),
-        single("most steps to a stop", "", None, m.capture_steps.map(f64::from)),
-        single("no number of steps to a stop", "", None, m.uncapturable_fraction),
-        single("cost of transport", "", None, m.cost_of_transport),
-    ]
+    ROWS.iter().map(row).collect()
 }

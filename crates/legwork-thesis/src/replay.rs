@@ -15,7 +15,7 @@ use legwork_study::{Base, Variant};
 
 /// What a program did with the states and references of another run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Replay {
+pub(crate) struct Replay {
     /// The scenario whose run is replayed.
     pub scenario: String,
     /// The settings that differ.
@@ -42,7 +42,7 @@ pub struct Replay {
 ///
 /// # Errors
 /// A setting is not valid.
-pub fn replay(run: &Run, sets: &[String]) -> Result<Replay, Error> {
+pub(crate) fn replay(run: &Run, sets: &[String]) -> Result<Replay, Error> {
     let name = run.scenario.name.clone();
     let Variant { scenario, model, samples } = Base::load(&name, sets)?.variant().clone();
     let mut controller = scenario.momentum_controller(&model, &samples, &run.log.truth(0))?;

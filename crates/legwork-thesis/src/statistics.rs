@@ -2,7 +2,7 @@
 
 /// Spearman's rank correlation of two lists of one length, ties by their mean rank; none for fewer than three pairs or
 /// where one of them is constant.
-pub fn spearman(x: &[f64], y: &[f64]) -> Option<f64> {
+pub(crate) fn spearman(x: &[f64], y: &[f64]) -> Option<f64> {
     if x.len() < 3 {
         return None;
     }
@@ -10,7 +10,7 @@ pub fn spearman(x: &[f64], y: &[f64]) -> Option<f64> {
 }
 
 /// The share of the variance of `y` that a straight line through `x` explains, R²; none as [`spearman`].
-pub fn straightness(x: &[f64], y: &[f64]) -> Option<f64> {
+pub(crate) fn straightness(x: &[f64], y: &[f64]) -> Option<f64> {
     if x.len() < 3 {
         return None;
     }
@@ -18,23 +18,14 @@ pub fn straightness(x: &[f64], y: &[f64]) -> Option<f64> {
 }
 
 /// Largest minus smallest; none of nothing.
-pub fn spread(values: &[f64]) -> Option<f64> {
+pub(crate) fn spread(values: &[f64]) -> Option<f64> {
     let least = values.iter().copied().reduce(f64::min)?;
     let most = values.iter().copied().reduce(f64::max)?;
     Some(most - least)
 }
 
-/// The middle value; of an even number the mean of the two in the middle; none of nothing.
-pub fn median(values: &[f64]) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let half = sorted.len() / 2;
-    let upper = *sorted.get(half)?;
-    Some(if sorted.len() % 2 == 1 { upper } else { 0.5 * (sorted[half - 1] + upper) })
-}
-
 /// Root of the mean square; zero of nothing.
-pub fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0_u64), |(sum, count), value| (sum + value * value, count + 1));
     if count == 0 { 0.0 } else { (sum / count as f64).sqrt() }
 }
@@ -97,12 +88,8 @@ mod tests {
     }
 
     #[test]
-    fn spread_and_median_and_root_mean_square() {
+    fn spread_and_root_mean_square() {
         assert_eq!((spread(&[3.0, -1.0, 2.0]), spread(&[])), (Some(4.0), None));
-        assert_eq!(
-            (median(&[3.0, 9.0, 1.0]), median(&[4.0, 1.0, 2.0, 9.0]), median(&[])),
-            (Some(3.0), Some(3.0), None)
-        );
         assert_eq!(root_mean_square([3.0, -4.0, 0.0, 0.0].into_iter()), 2.5);
         assert_eq!(root_mean_square(std::iter::empty()), 0.0);
     }

@@ -6,25 +6,15 @@ use super::case::{Case, Experiment, Reading};
 use legwork::episode::Run;
 use legwork::error::Error;
 use legwork::log::Field;
-use legwork::metrics::FIGURES;
+use legwork::metrics::{FIGURES, Figure};
 use legwork_study::{Level, Rollout, Study};
 
 /// Mean distance of the centre of mass from its reference.
 pub const COM: &str = "com_error_m.mean";
 /// Mean distance of a foot from its reference.
 pub const FEET: &str = "feet_error_m.mean";
-/// Mean deviation of the torso's angle.
-pub const TORSO: &str = "torso_deviation_rad.mean";
 /// Mean absolute joint torque.
-pub const TORQUE: &str = "torque_nm.mean";
-/// Mean of the squared torques' sum.
-pub const U2: &str = "u2_n2m2.mean";
-/// Largest ground reaction force.
-pub const GRF_PEAK: &str = "grf_n.peak";
-/// The three tracking errors.
-pub const TRACKING: [&str; 3] = [COM, FEET, TORSO];
-/// The operating costs.
-pub const COST: [&str; 2] = [TORQUE, U2];
+pub(crate) const TORQUE: &str = "torque_nm.mean";
 
 /// The studies with the parameter's symbol and the thesis's figures of the walk and of the push.
 pub const STUDIES: [(&str, &str, [&str; 2]); 9] = [
@@ -78,7 +68,7 @@ pub struct Tried {
 }
 
 /// The share of the ticks of a run in which the horizontal momentum rate asked for (4.4) is at the planner's limit.
-pub fn momentum_rate_limited_fraction(run: &Run) -> f64 {
+pub(crate) fn momentum_rate_limited_fraction(run: &Run) -> f64 {
     let horizontal = run.log.range(Field::MomentumRateGoal).start + run.model.angular_axes().len();
     let limit = run.scenario.controller.planner.max_horizontal_momentum_rate_n;
     let limited = run.log.column(horizontal).filter(|rate| rate.abs() >= limit).count();
@@ -95,7 +85,7 @@ pub fn studies() -> Result<Vec<Study>, Error> {
 
 /// The rollouts of a study that have a level: a study also runs the scenario as it stands, which is a level of each of
 /// the thesis's sweeps already.
-pub fn levels_of(study: &Study) -> impl Iterator<Item = u64> + '_ {
+pub(crate) fn levels_of(study: &Study) -> impl Iterator<Item = u64> + '_ {
     (0..study.len()).filter(|&index| study.point(index).levels[0].is_some())
 }
 
@@ -105,7 +95,10 @@ impl Sweep {
     ///
     /// # Errors
     /// The study is not one of the thesis's sweeps.
-    pub fn all_of(study: &Study, runs: impl IntoIterator<Item = (u64, Rollout, f64)>) -> Result<Vec<Self>, Error> {
+    pub(crate) fn all_of(
+        study: &Study,
+        runs: impl IntoIterator<Item = (u64, Rollout, f64)>,
+    ) -> Result<Vec<Self>, Error> {
         let wrong = |problem: &str| Error::invalid(format!("study {}", study.name), problem.to_owned());
         let known = STUDIES.iter().find(|(name, ..)| *name == study.name);
         let (_, symbol, figures) = known.ok_or_else(|| wrong("is none of the thesis's sweeps"))?;
@@ -159,7 +152,7 @@ impl Sweep {
     }
 
     /// The levels from `low` to `high`, both with them.
-    pub fn between(&self, low: f64, high: f64) -> impl DoubleEndedIterator<Item = &Tried> + Clone {
+    pub(crate) fn between(&self, low: f64, high: f64) -> impl DoubleEndedIterator<Item = &Tried> + Clone {
         let inside = move |level: f64| (level >= low || is_same(level, low)) && (level <= high || is_same(level, high));
         self.levels.iter().filter(move |tried| inside(tried.level))
     }
@@ -173,9 +166,14 @@ impl Tried {
 }
 
 /// A figure of a rollout by its name in [`FIGURES`], fallen or not.
-pub fn figure(rollout: &Rollout, name: &str) -> Option<f64> {
+pub(crate) fn figure(rollout: &Rollout, name: &str) -> Option<f64> {
     let index = FIGURES.iter().position(|figure| figure.name == name)?;
     rollout.figures.get(index).copied().flatten()
+}
+
+/// The figure of that name.
+pub(crate) fn definition(name: &str) -> &'static Figure {
+    FIGURES.iter().find(|figure| figure.name == name).unwrap_or_else(|| panic!("no figure {name}"))
 }
 
 /// Whether two levels are one, but for the last digits that a range in equal ratios leaves.

@@ -84,7 +84,7 @@ const FINAL_DESIGN: [Parameter; 10] = [
 ];
 
 /// The five tables; `run` finds the run of a case.
-pub fn tables<'a>(run: impl Fn(Case) -> &'a Run) -> Vec<Table> {
+pub(crate) fn tables<'a>(run: impl Fn(Case) -> &'a Run) -> Vec<Table> {
     let mut tables: Vec<Table> = TABLES
         .iter()
         .map(|&(number, title, experiment, gains)| Table { number, title, rows: rows(&run, experiment, gains) })

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::case::{Case, Gains};
+use super::sweep::figure;
 use legwork::control::Fallback;
 use legwork::episode::Run;
 use legwork::error::Error;
@@ -55,50 +56,43 @@ pub struct ProgramReport {
     pub torque_held: usize,
 }
 
-/// The settings of hard feet tracking.
-pub const HARD_FEET: &str = "controller.tracking.feet=equality";
 /// What hard feet tracking is tried with: torque limit [Nm], and step time [s] where it is not the scenario's own.
-pub const HARD_FEET_WITH: [(f64, Option<f64>); 3] = [(220.0, None), (500.0, None), (220.0, Some(0.20))];
+pub(crate) const HARD_FEET_WITH: [(f64, Option<f64>); 3] = [(220.0, None), (500.0, None), (220.0, Some(0.20))];
 /// Feet weights that are combined with foot gains (6.4).
-pub const STACKED_WEIGHTS: [f64; 3] = [1e5, 1e6, 1e7];
+pub(crate) const STACKED_WEIGHTS: [f64; 3] = [1e5, 1e6, 1e7];
 /// Foot gains that they are combined with.
-pub const STACKED_GAINS: [f64; 3] = [1000.0, 2000.0, 6000.0];
+pub(crate) const STACKED_GAINS: [f64; 3] = [1000.0, 2000.0, 6000.0];
 /// Momentum weights below those of the sweep, down to where the operating costs outweigh them.
 pub const LOW_MOMENTUM: [f64; 2] = [1e-4, 1e-5];
 /// Weights of forces and of joint accelerations: below those at which the baseline falls, and such.
-pub const HIGH_WEIGHTS: [(&str, [f64; 2]); 2] =
+pub(crate) const HIGH_WEIGHTS: [(&str, [f64; 2]); 2] =
     [("controller.weights.grf", [1.0, 10.0]), ("controller.weights.joint_acceleration", [1e3, 1e4])];
 /// Step times that these are tried with [s].
-pub const STEP_TIMES: [f64; 2] = [0.30, 0.35];
+pub(crate) const STEP_TIMES: [f64; 2] = [0.30, 0.35];
 /// Re-planning of the step length in mid-swing.
-pub const REPLAN: &str = "reference.step.replan=in-swing";
+pub(crate) const REPLAN: &str = "reference.step.replan=in-swing";
 /// Critical damping as it is meant.
-pub const CRITICAL: &str = "controller.planner.damping=critical";
+pub(crate) const CRITICAL: &str = "controller.planner.damping=critical";
 
-/// The torque limit as a setting.
-pub fn torque_limit(torque_nm: f64) -> String {
-    format!("controller.limits.torque_nm={torque_nm}")
+/// A setting of a number, as [`Trial::sets`] has it.
+pub fn set(path: &str, value: f64) -> String {
+    format!("{path}={value}")
+}
+
+/// The step time as a setting.
+pub(crate) fn step_time(duration_s: f64) -> String {
+    set("reference.step.duration_s", duration_s)
 }
 
 /// Hard feet tracking as settings.
-pub fn hard_feet((torque_nm, step_s): (f64, Option<f64>)) -> Vec<String> {
-    let sets = [HARD_FEET.to_owned(), torque_limit(torque_nm)];
+pub(crate) fn hard_feet((torque_nm, step_s): (f64, Option<f64>)) -> Vec<String> {
+    let sets = ["controller.tracking.feet=equality".to_owned(), set("controller.limits.torque_nm", torque_nm)];
     sets.into_iter().chain(step_s.map(step_time)).collect()
 }
 
 /// Feet weight and foot gain as settings.
-pub fn stacked(weight: f64, gain: f64) -> Vec<String> {
-    vec![format!("controller.weights.feet={weight}"), format!("controller.planner.foot_gain={gain}")]
-}
-
-/// The step time as a setting.
-pub fn step_time(duration_s: f64) -> String {
-    format!("reference.step.duration_s={duration_s}")
-}
-
-/// A weight as a setting.
-pub fn weight(path: &str, value: f64) -> String {
-    format!("{path}={value}")
+pub(crate) fn stacked(weight: f64, gain: f64) -> Vec<String> {
+    vec![set("controller.weights.feet", weight), set("controller.planner.foot_gain", gain)]
 }
 
 /// All of them.
@@ -113,15 +107,11 @@ pub fn trials() -> Vec<Trial> {
             for weight in STACKED_WEIGHTS {
                 STACKED_GAINS.iter().for_each(|&gain| add(stacked(weight, gain)));
             }
-            for duration in STEP_TIMES {
-                add(vec![step_time(duration)]);
-            }
-            for value in LOW_MOMENTUM {
-                add(vec![weight("controller.weights.momentum", value)]);
-            }
+            STEP_TIMES.iter().for_each(|&duration| add(vec![step_time(duration)]));
+            LOW_MOMENTUM.iter().for_each(|&value| add(vec![set("controller.weights.momentum", value)]));
             for (path, [_, highest]) in HIGH_WEIGHTS {
-                add(vec![weight(path, highest)]);
-                STEP_TIMES.iter().for_each(|&duration| add(vec![weight(path, highest), step_time(duration)]));
+                add(vec![set(path, highest)]);
+                STEP_TIMES.iter().for_each(|&duration| add(vec![set(path, highest), step_time(duration)]));
             }
         }
     }
@@ -130,7 +120,7 @@ pub fn trials() -> Vec<Trial> {
 
 impl Trial {
     /// A case as it stands.
-    pub fn of_case(case: Case) -> Self {
+    pub(crate) fn of_case(case: Case) -> Self {
         Self { scenario: case.scenario(), sets: Vec::new() }
     }
 
@@ -138,7 +128,7 @@ impl Trial {
     ///
     /// # Errors
     /// A setting is not one of the scenario.
-    pub fn variant(&self) -> Result<Variant, Error> {
+    pub(crate) fn variant(&self) -> Result<Variant, Error> {
         Ok(Base::load(self.scenario, &self.sets)?.variant().clone())
     }
 
@@ -159,8 +149,13 @@ impl Trial {
 
 impl TrialResult {
     /// What a run of `trial` gave.
-    pub fn of(trial: Trial, run: &Run) -> Self {
+    pub(crate) fn of(trial: Trial, run: &Run) -> Self {
         Self { trial, rollout: Rollout::of(run), program: ProgramReport::of(run) }
+    }
+
+    /// A figure of it, where the robot stands to the end.
+    pub(crate) fn standing(&self, name: &str) -> Option<f64> {
+        figure(&self.rollout, name).filter(|_| self.stands())
     }
 
     /// Whether the robot stands to the end.

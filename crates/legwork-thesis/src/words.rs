@@ -1,5 +1,9 @@
 //! Numbers in sentences.
 
+use std::fmt::Display;
+
+use legwork::metrics::Figure;
+
 /// Three significant digits, as short as they are.
 pub fn digits(value: f64) -> String {
     let size = value.abs();
@@ -25,23 +29,35 @@ pub fn with_unit(value: f64, unit: &str) -> String {
 }
 
 /// A change as percent with its sign.
-pub fn signed_percent(change: f64) -> String {
+pub(crate) fn signed_percent(change: f64) -> String {
     // Adding zero makes a rounded -0 a 0.
     format!("{:+.0} %", (100.0 * change).round() + 0.0)
 }
 
 /// A share as percent.
-pub fn percent(share: f64) -> String {
+pub(crate) fn percent(share: f64) -> String {
     format!("{} %", digits(100.0 * share))
 }
 
 /// The parts as `a, b and c`.
-pub fn list(parts: &[String]) -> String {
+pub(crate) fn list(parts: &[String]) -> String {
     match parts {
         [] => "none".to_owned(),
         [one] => one.clone(),
         [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
+}
+
+/// A figure as `mean feet error`.
+pub(crate) fn figure(figure: &Figure) -> String {
+    figure.name.rsplit_once('.').map_or(String::new(), |(_, kind)| format!("{kind} ")) + figure.label
+}
+
+/// The text with each `{name}` replaced.
+pub(crate) fn filled(text: &str, values: &[(&str, &dyn Display)]) -> String {
+    let fill =
+        |text: String, (name, value): &(&str, &dyn Display)| text.replace(&format!("{{{name}}}"), &value.to_string());
+    values.iter().fold(text.to_owned(), fill)
 }
 
 #[cfg(test)]

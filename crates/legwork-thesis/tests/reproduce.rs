@@ -6,10 +6,12 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use legwork_study::parallel::with_threads;
 use legwork_thesis::case::{Case, Experiment, Gains, Reading};
 use legwork_thesis::claims::{Claim, Verdict};
-use legwork_thesis::limits::{LARGEST_PUSH, LARGEST_PUSH_REPLAN, SOUGHT, TORQUE_WALK};
+use legwork_thesis::limits::{LARGEST_PUSH, LARGEST_PUSH_REPLAN, sought};
 use legwork_thesis::sweep::{COM, FEET};
-use legwork_thesis::trial::{LOW_MOMENTUM, trials, weight};
+use legwork_thesis::trial::{LOW_MOMENTUM, set, trials};
 use legwork_thesis::{Reproduction, amount, files, run};
+
+const TORQUE_WALK: &str = "lowest torque limit, walk";
 
 static WHOLE: LazyLock<Reproduction> = LazyLock::new(|| {
     let most = AtomicU64::new(0);
@@ -87,13 +89,13 @@ fn limits_and_tables_agree_with_the_runs_they_are_of() {
     }
 }
 
-/// What `claims/why.rs` says of 6.3.4: the momentum weight matters where it is as small as the operating weights.
+/// What `claims.toml` says of 6.3.4: the momentum weight matters where it is as small as the operating weights.
 #[test]
 fn a_momentum_weight_of_the_size_of_the_operating_weights_makes_the_robot_fall() {
     for reading in Reading::ALL {
         let case = Case::new(reading, Experiment::Walk, Gains::Baseline);
-        let stands = LOW_MOMENTUM
-            .map(|value| WHOLE.evidence.trial(case, &[weight("controller.weights.momentum", value)]).stands());
+        let stands =
+            LOW_MOMENTUM.map(|value| WHOLE.evidence.trial(case, &[set("controller.weights.momentum", value)]).stands());
         assert_eq!(stands, [true, false], "{}", case.scenario());
     }
 }
@@ -130,15 +132,15 @@ fn the_files_hold_every_row_and_their_sources_name_their_columns() {
     assert_eq!(read("limits").1, WHOLE.evidence.limits.len());
     assert!(read("claims").1 >= 2 * WHOLE.claims.len());
     for claim in WHOLE.claims.iter().filter(|claim| claim.source.file != "logs") {
-        let (head, _) = read(claim.source.file);
-        for name in claim.source.columns {
-            let found = head.iter().any(|column| column.split(' ').next() == Some(name));
+        let (head, _) = read(&claim.source.file);
+        for name in &claim.source.columns {
+            let found = head.iter().any(|column| column.split(' ').next() == Some(name.as_str()));
             assert!(found, "{}: {}.csv has no column {name}", claim.id, claim.source.file);
         }
     }
     for claim in WHOLE.claims.iter().filter(|claim| claim.source.file == "logs") {
         let columns = WHOLE.evidence.runs[0].log.columns();
-        for name in claim.source.columns {
+        for name in &claim.source.columns {
             assert!(columns.iter().any(|column| column.name == *name), "{}: no column {name}", claim.id);
         }
     }
@@ -152,7 +154,7 @@ fn the_files_hold_every_row_and_their_sources_name_their_columns() {
 fn one_thread_finds_what_many_find() {
     let alone = |work: &(dyn Fn() + Sync)| with_threads(Some(1), work).expect("one thread");
     alone(&|| {
-        let sought = SOUGHT.iter().find(|sought| sought.quantity == TORQUE_WALK).expect("it is sought");
+        let sought = sought().iter().find(|sought| sought.quantity == TORQUE_WALK).expect("it is sought");
         let answer =
             sought.search(Reading::BaseOfSupport, || false).expect("it is built in").expect("nobody stopped it");
         assert_eq!(answer.found.value, WHOLE.evidence.limit(TORQUE_WALK, Reading::BaseOfSupport).value);

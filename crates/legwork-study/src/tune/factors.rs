@@ -4,7 +4,8 @@ use toml::Spanned;
 
 use super::{Case, Family};
 use crate::file::{FactorEntry, Source};
-use crate::{Base, Factor, Levels, Range, check_levels};
+use crate::study::check_levels;
+use crate::{Base, Factor, Levels, Range};
 use legwork::error::Error;
 use legwork::settings::{Setting, Valid, in_words};
 

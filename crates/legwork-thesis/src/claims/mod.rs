@@ -1,19 +1,17 @@
-//! What the thesis says of its results, claim by claim, each with its test.
+//! What the thesis says of its results, claim by claim, each with its test: `claims.toml`, tested by the judges.
 
-mod gains;
-mod limits;
-mod motion;
-mod performance;
-mod weights;
-mod why;
+mod judge;
+mod logs;
 
-use serde::Serialize;
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
 
 use super::case::{Experiment, Reading};
-use super::curve::Curve;
 use super::evidence::Evidence;
-use super::sweep::Sweep;
 use super::terms::Check;
+use judge::{Asked, judge};
 
 /// Whether a claim is reproduced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
@@ -33,11 +31,7 @@ impl Verdict {
 
     /// Its name.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Reproduced => "reproduced",
-            Self::Partly => "partly",
-            Self::Not => "not",
-        }
+        ["reproduced", "partly", "not"][self as usize]
     }
 
     fn of(checks: &[Check]) -> Self {
@@ -50,14 +44,14 @@ impl Verdict {
 }
 
 /// Where the figures of a claim can be looked up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Source {
     /// The file, without its ending.
-    pub file: &'static str,
+    pub file: String,
     /// Its rows: of `sweeps` those of this study, else in words.
-    pub rows: &'static str,
+    pub rows: String,
     /// Its columns.
-    pub columns: &'static [&'static str],
+    pub columns: Vec<String>,
 }
 
 /// A claim and what became of it.
@@ -88,15 +82,6 @@ pub struct Finding {
     pub why: Option<&'static str>,
 }
 
-/// A claim with its test.
-pub(super) struct Test {
-    id: &'static str,
-    says: &'static str,
-    test: &'static str,
-    source: Source,
-    run: fn(&Evidence, Reading) -> Vec<Check>,
-}
-
 impl Claim {
     /// The section of the thesis.
     pub fn section(&self) -> &'static str {
@@ -104,52 +89,93 @@ impl Claim {
     }
 }
 
-fn tests() -> impl Iterator<Item = &'static Test> {
-    [limits::TESTS, weights::TESTS, gains::TESTS, performance::TESTS, motion::TESTS].into_iter().flatten()
+/// The file of claims.
+#[derive(Deserialize)]
+struct Claims {
+    /// Why the claims about the push fail in one reading, which `why` calls `falls`.
+    falls: String,
+    claims: BTreeMap<String, Test>,
+}
+
+/// A claim with its test.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Test {
+    says: String,
+    test: String,
+    parts: Vec<Part>,
+    source: Option<Source>,
+    /// By reading, or of `both`.
+    #[serde(default)]
+    why: BTreeMap<String, String>,
+}
+
+/// A part of a test: a judge and what it asks about. Which of these fields a judge needs, it says.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Part {
+    is: String,
+    /// A study.
+    #[serde(default)]
+    over: String,
+    /// Its first level and its last.
+    #[serde(default)]
+    from: f64,
+    #[serde(default = "unbounded")]
+    to: f64,
+    /// Figures of a run by their columns, or limits by their names.
+    #[serde(default)]
+    of: Vec<String>,
+    only: Option<Experiment>,
+    /// What the thesis publishes, and how far from it is still met.
+    #[serde(default)]
+    published: f64,
+    #[serde(default)]
+    within: f64,
+}
+
+fn unbounded() -> f64 {
+    f64::INFINITY
+}
+
+static CLAIMS: LazyLock<Claims> =
+    LazyLock::new(|| toml::from_str(include_str!("claims.toml")).expect("the file of claims is ours"));
+
+impl Test {
+    fn checks(&'static self, evidence: &Evidence, reading: Reading) -> Vec<Check> {
+        let of = |part: &'static Part| {
+            let asked = Experiment::ALL.into_iter().filter(|&experiment| part.only.is_none_or(|o| o == experiment));
+            asked.flat_map(move |experiment| judge(&part.is)(&Asked { part, evidence, reading, experiment }))
+        };
+        self.parts.iter().flat_map(of).collect()
+    }
+
+    fn why(&'static self, reading: Reading) -> Option<&'static str> {
+        let why = self.why.get(reading.name()).or(self.why.get("both"))?;
+        Some(if why == "falls" { &CLAIMS.falls } else { why })
+    }
+
+    /// Where nothing else is said: the figures of the first part, or endings where it has none.
+    fn source(&self) -> Source {
+        let of = |part: &Part| if part.of.is_empty() { vec!["ending".to_owned()] } else { part.of.clone() };
+        let first = || Source { file: "sweeps".into(), rows: self.parts[0].over.clone(), columns: of(&self.parts[0]) };
+        self.source.clone().unwrap_or_else(first)
+    }
 }
 
 /// All claims, tested.
-pub fn claims(evidence: &Evidence) -> Vec<Claim> {
-    let claim = |test: &Test| {
+pub(super) fn claims(evidence: &Evidence) -> Vec<Claim> {
+    let claim = |(id, test): (&'static String, &'static Test)| {
         let finding = |reading| {
-            let checks = (test.run)(evidence, reading);
+            let checks = test.checks(evidence, reading);
             let verdict = Verdict::of(&checks);
-            let why = if verdict == Verdict::Reproduced { None } else { why::why(test.id, reading) };
+            let why = test.why(reading).filter(|_| verdict != Verdict::Reproduced);
             Finding { reading, verdict, checks, why }
         };
         let findings = Reading::ALL.map(finding).to_vec();
-        Claim { id: test.id, says: test.says, test: test.test, source: test.source, findings }
+        Claim { id, says: &test.says, test: &test.test, source: test.source(), findings }
     };
-    let mut claims: Vec<Claim> = tests().map(claim).collect();
-    claims.sort_by_key(|claim| claim.id);
-    claims
-}
-
-const fn sweep_source(study: &'static str, columns: &'static [&'static str]) -> Source {
-    Source { file: "sweeps", rows: study, columns }
-}
-
-/// A part for the walk and one for the push.
-fn each(of: impl Fn(Experiment) -> Check) -> Vec<Check> {
-    Experiment::ALL.map(of).to_vec()
-}
-
-/// A part for each of the `figures` in the `experiments`, over the levels of a range.
-fn curves(
-    (evidence, study, reading): (&Evidence, &str, Reading),
-    experiments: &[Experiment],
-    figures: &[&'static str],
-    range: (f64, f64),
-    test: impl Fn(Curve) -> Check,
-) -> Vec<Check> {
-    let of = |experiment| figures.iter().map(move |&figure| (experiment, figure));
-    let pairs = experiments.iter().copied().flat_map(of);
-    pairs.map(|(experiment, figure)| test(evidence.curve((study, reading, experiment), figure, range))).collect()
-}
-
-/// A part for the walk's sweep and one for the push's.
-fn sweeps(evidence: &Evidence, study: &str, reading: Reading, test: impl Fn(&Sweep) -> Check) -> Vec<Check> {
-    each(|experiment| test(evidence.sweep(study, reading, experiment)))
+    CLAIMS.claims.iter().map(claim).collect()
 }
 
 #[cfg(test)]
@@ -157,49 +183,47 @@ mod unit_tests {
     use std::collections::BTreeSet;
 
     use super::*;
-    use crate::sweep::studies;
+    use crate::sweep::{STUDIES, studies};
 
     #[test]
-    fn every_claim_has_its_own_name_and_every_section_its_claims() {
-        let ids: Vec<_> = tests().map(|test| test.id).collect();
-        assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len(), "{ids:?}");
-        let sections: BTreeSet<_> = ids.iter().map(|id| id.rsplit_once('-').expect("section and letter").0).collect();
+    fn every_section_has_its_claims_and_every_part_its_judge() {
+        let sections: BTreeSet<_> = CLAIMS.claims.keys().map(|id| id.rsplit_once('-').expect("a letter").0).collect();
         let wanted =
             "6.1 6.3.1 6.3.2 6.3.3 6.3.4 6.3.5 6.3.6 6.3.7 6.3.8 6.4 7.1 7.1.1 7.1.2 7.1.3 7.1.4 7.1.5 7.2.1 7.4 8.1.2";
         assert_eq!(sections, wanted.split(' ').collect());
+        let used: BTreeSet<&str> =
+            CLAIMS.claims.values().flat_map(|test| &test.parts).map(|part| part.is.as_str()).collect();
+        assert_eq!(used, judge::judges().map(|(name, _)| *name).collect());
+        for (id, test) in &CLAIMS.claims {
+            let known = |reading: &String| reading == "both" || Reading::ALL.iter().any(|r| r.name() == reading);
+            assert!(!test.parts.is_empty() && test.why.keys().all(known), "{id}");
+            assert!(test.parts.iter().all(|part| part.over.is_empty() || STUDIES.iter().any(|s| s.0 == part.over)));
+        }
     }
 
     #[test]
     fn the_sources_of_sweeps_are_studies_and_their_columns() {
         let studies = studies().expect("they are built in");
         let mut seen = BTreeSet::new();
-        for test in tests().filter(|test| test.source.file == "sweeps") {
-            let study = studies.iter().find(|study| study.name == test.source.rows);
-            let study = study.unwrap_or_else(|| panic!("{}: no study {}", test.id, test.source.rows));
+        for (id, test) in CLAIMS.claims.iter().filter(|(_, test)| test.source().file == "sweeps") {
+            let source = test.source();
+            let study = studies.iter().find(|study| study.name == source.rows);
+            let study = study.unwrap_or_else(|| panic!("{id}: no study {}", source.rows));
             seen.insert(&study.name);
-            for name in test.source.columns {
+            for name in &source.columns {
                 let known = study.columns().iter().any(|column| column.name == *name);
-                let ours = ["ending", "momentum_rate_limited_fraction"].contains(name);
-                assert!(known || ours, "{}: no column {name}", test.id);
+                let ours = ["ending", "momentum_rate_limited_fraction"].contains(&name.as_str());
+                assert!(known || ours, "{id}: no column {name}");
             }
         }
         assert_eq!(seen.len(), studies.len());
     }
 
     #[test]
-    fn reasons_are_given_for_claims_that_there_are() {
-        for id in why::ids() {
-            assert!(tests().any(|test| test.id == id), "no claim {id}");
-        }
-    }
-
-    #[test]
     fn the_verdict_follows_from_the_parts() {
-        let parts = |held: &[bool]| held.iter().map(|&holds| Check::new(holds, "")).collect::<Vec<_>>();
-        let verdict = |held: &[bool]| Verdict::of(&parts(held));
-        assert_eq!([&[true, true][..], &[true, false], &[false], &[]].map(verdict), {
-            use Verdict::*;
-            [Reproduced, Partly, Not, Not]
-        });
+        use Verdict::*;
+        let verdict = |held: &[bool]| Verdict::of(&held.iter().map(|&h| Check::new(h, "")).collect::<Vec<_>>());
+        let verdicts = [&[true, true][..], &[true, false], &[false], &[]].map(verdict);
+        assert_eq!(verdicts, [Reproduced, Partly, Not, Not]);
     }
 }

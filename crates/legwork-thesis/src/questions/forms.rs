@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Entry, Question, Table, replay_of};
+use super::{Entry, Found, range, replay_of, says};
 use crate::case::{Case, Gains};
 use crate::evidence::Evidence;
 use crate::replay::Replay;
@@ -20,11 +20,11 @@ const SAME_NM: f64 = 1e-4;
 /// How much longer one form must take to be called slower.
 const SLOWER: f64 = 1.05;
 /// How often each form is run, turn by turn.
-const TURNS: usize = 2;
+pub(super) const TURNS: usize = 2;
 
 /// Control tick durations of both forms in a scenario.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FormTimes {
+pub(crate) struct FormTimes {
     /// The scenario.
     pub scenario: &'static str,
     /// Median and 99 % quantile of the direct form [µs].
@@ -43,7 +43,7 @@ pub(super) fn cases() -> impl Iterator<Item = Case> {
 ///
 /// # Errors
 /// None, unless the scenario is not valid.
-pub fn time_forms(case: Case, stop: impl Fn() -> bool) -> Result<Option<FormTimes>, Error> {
+pub(crate) fn time_forms(case: Case, stop: impl Fn() -> bool) -> Result<Option<FormTimes>, Error> {
     let mut ticks = [Vec::new(), Vec::new()];
     for _ in 0..TURNS {
         for (form, ticks) in ticks.iter_mut().enumerate() {
@@ -62,78 +62,39 @@ pub fn time_forms(case: Case, stop: impl Fn() -> bool) -> Result<Option<FormTime
     Ok(Some(FormTimes { scenario: case.scenario(), direct_us, slack_us }))
 }
 
-pub(super) fn question(evidence: &Evidence, times: &[FormTimes], replays: &[Replay]) -> Question {
+pub(super) fn found(evidence: &Evidence, times: &[FormTimes], replays: &[Replay]) -> Found {
     let mut rows = Vec::new();
     let (mut ratios, mut differences) = (Vec::new(), Vec::new());
     for (case, times) in cases().zip(times) {
         let replay = replay_of(replays, case.scenario(), &[SLACK.to_owned()]);
         let difference = replay.map(|replay| replay.torque_difference_nm);
-        let ratio = times.slack_us[0] / times.direct_us[0];
-        ratios.push(ratio);
-        differences.extend(difference);
         let [direct, slack] = [times.direct_us, times.slack_us];
-        let mut row: Vec<Entry> = vec![case.scenario().into(), difference.into()];
-        row.extend([direct[0], slack[0], ratio, direct[1], slack[1]].map(Entry::from));
-        rows.push(row);
+        ratios.push(slack[0] / direct[0]);
+        differences.extend(difference);
+        let numbers =
+            [difference, Some(direct[0]), Some(slack[0]), ratios.last().copied(), Some(direct[1]), Some(slack[1])];
+        rows.push([Entry::from(case.scenario())].into_iter().chain(numbers.map(Entry::from)).collect());
     }
-    let columns = vec![
-        ("scenario", ""),
-        ("largest difference of a torque", "Nm"),
-        ("direct, median", "µs"),
-        ("slack, median", "µs"),
-        ("slack over direct", ""),
-        ("direct, 99 %", "µs"),
-        ("slack, 99 %", "µs"),
-    ];
     let run = evidence.run(cases().next().expect("there are cases"));
-    let size = |form| {
+    let size = |(name, form): (&str, QpForm)| {
         let layout = Layout::new(form, &run.scenario.controller.tracking, &run.model);
-        vec![Entry::from(layout.variables() as f64), (layout.rows() as f64).into()]
+        vec![name.into(), (layout.variables() as f64).into(), (layout.rows() as f64).into()]
     };
-    let sizes = [("direct", QpForm::Direct), ("slack", QpForm::Slack)];
-    let sizes = sizes.map(|(name, form)| [vec![Entry::from(name)], size(form)].concat());
-    Question {
-        id: "slack",
-        section: "7.4",
-        asks: "Do slack variables cost computation time against tracking written into the cost, and is the optimum \
-               the same?",
-        method: format!(
-            "Each run of the final design, {TURNS} times in both forms turn by turn; times are of a whole control \
-             tick (dynamics, references, program). The slack form also solves the programs of the direct form's run, \
-             state by state."
-        ),
-        tables: vec![
-            Table { title: "Time of a control tick", columns, rows },
-            Table {
-                title: "Size of the program",
-                columns: vec![("form", ""), ("variables", ""), ("rows", "")],
-                rows: sizes.to_vec(),
-            },
-        ],
-        answer: answer(&ratios, &differences),
-        has_times: true,
-    }
+    let sizes = [("direct", QpForm::Direct), ("slack", QpForm::Slack)].map(size);
+    (vec![rows, sizes.into()], answer(&ratios, &differences))
 }
 
-fn answer(ratios: &[f64], differences: &[f64]) -> String {
-    let most = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
-    let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
-    let difference = most(differences);
-    let optimum = if difference <= SAME_NM { "The optimum is the same" } else { "The optima differ" };
-    let (low, high) = (least(ratios), most(ratios));
-    let range = format!("{} to {} times", digits(low), digits(high));
-    let time = if low >= SLOWER {
-        format!(
-            "Slack variables cost time: the median control tick takes {range} as long as with tracking in the cost."
-        )
-    } else if high <= 1.0 / SLOWER {
-        format!(
-            "Slack variables save time: the median control tick takes {range} as long as with tracking in the cost."
-        )
-    } else {
-        format!("The time is about the same: with slack variables the median control tick takes {range} as long.")
+fn answer(ratios: &[f64], differences: &[f64]) -> Vec<String> {
+    let difference = range(differences.iter().copied()).1;
+    let optimum = if difference <= SAME_NM { "same" } else { "differ" };
+    let (low, high) = range(ratios.iter().copied());
+    let time = match (low >= SLOWER, high <= 1.0 / SLOWER) {
+        (true, _) => "cost",
+        (false, true) => "save",
+        (false, false) => "neither",
     };
-    format!("{optimum}: on the same states no torque differs by more than {} Nm. {time}", digits(difference))
+    let (difference, low, high) = (digits(difference), digits(low), digits(high));
+    [optimum, time].map(|key| says("slack", key, &[("difference", &difference), ("low", &low), ("high", &high)])).into()
 }
 
 #[cfg(test)]
@@ -142,9 +103,11 @@ mod tests {
 
     #[test]
     fn the_answer_follows_the_figures() {
+        let answer = |ratios: &[f64], differences: &[f64]| answer(ratios, differences).join(" ");
         let slow = answer(&[2.0, 3.0], &[1e-9]);
         assert!(
-            slow.starts_with("The optimum is the same") && slow.contains("cost time") && slow.contains("2 to 3 times")
+            slow.starts_with("The optimum is the same")
+                && slow.contains("cost time: the median control tick takes 2 to 3 times")
         );
         let fast = answer(&[0.5, 0.6], &[1.0]);
         assert!(fast.starts_with("The optima differ") && fast.contains("save time"));

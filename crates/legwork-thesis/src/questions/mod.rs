@@ -1,20 +1,22 @@
-//! What the thesis left open (7.1.2, 7.2, 7.4, 6.3.7), answered by measurements. The sentences of an answer are chosen
-//! by the figures.
+//! What the thesis left open (7.1.2, 7.2, 7.4, 6.3.7), answered by measurements: `questions.toml` with the figures filled in.
 
-mod damping;
 mod forms;
 mod hard_feet;
 mod operating_weights;
-mod replanning;
+mod variants;
 
-use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Display;
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
 
 use super::case::Case;
 use super::evidence::Evidence;
 use super::replay::Replay;
-use super::sweep::figure;
 use super::trial::TrialResult;
-pub use forms::{FormTimes, time_forms};
+use super::words::filled;
+pub(super) use forms::{FormTimes, time_forms};
 
 /// A question with its answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -43,8 +45,10 @@ pub struct Table {
     /// Its columns with their units.
     pub columns: Vec<(&'static str, &'static str)>,
     /// Its rows, with an entry for each column.
-    pub rows: Vec<Vec<Entry>>,
+    pub rows: Rows,
 }
+
+type Rows = Vec<Vec<Entry>>;
 
 /// An entry of a table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -80,14 +84,67 @@ impl From<String> for Entry {
     }
 }
 
+/// A question as the file has it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Asked {
+    section: String,
+    asks: String,
+    method: String,
+    #[serde(default)]
+    has_times: bool,
+    tables: Vec<Columns>,
+    says: BTreeMap<String, String>,
+}
+
+/// A table as the file has it; a column is `name` or `name [unit]`.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Columns {
+    title: String,
+    columns: Vec<String>,
+}
+
+static QUESTIONS: LazyLock<BTreeMap<String, Asked>> =
+    LazyLock::new(|| toml::from_str(include_str!("questions.toml")).expect("the file of questions is ours"));
+
+/// A sentence of a question's answer.
+fn says(id: &str, key: &str, values: &[(&str, &dyn Display)]) -> String {
+    filled(&QUESTIONS[id].says[key], values)
+}
+
+/// The rows of a question's tables and the sentences of its answer.
+type Found = (Vec<Rows>, Vec<String>);
+
+fn question(id: &'static str, (tables, sentences): Found) -> Question {
+    let asked = &QUESTIONS[id];
+    let column = |text: &'static String| {
+        text.strip_suffix(']').and_then(|text| text.rsplit_once(" [")).unwrap_or((text.as_str(), ""))
+    };
+    let table = |(stated, rows): (&'static Columns, Rows)| Table {
+        title: &stated.title,
+        columns: stated.columns.iter().map(column).collect(),
+        rows,
+    };
+    Question {
+        id,
+        section: &asked.section,
+        asks: &asked.asks,
+        method: filled(&asked.method, &[("turns", &forms::TURNS)]),
+        tables: asked.tables.iter().zip(tables).map(table).collect(),
+        answer: sentences.join(" "),
+        has_times: asked.has_times,
+    }
+}
+
 /// All questions.
-pub fn questions(evidence: &Evidence, times: &[FormTimes], replays: &[Replay]) -> Vec<Question> {
+pub(super) fn questions(evidence: &Evidence, times: &[FormTimes], replays: &[Replay]) -> Vec<Question> {
     vec![
-        forms::question(evidence, times, replays),
-        hard_feet::question(evidence),
-        operating_weights::question(evidence, replays),
-        replanning::question(evidence),
-        damping::question(evidence),
+        question("slack", forms::found(evidence, times, replays)),
+        question("hard-feet", hard_feet::found(evidence)),
+        question("operating-weights", operating_weights::found(evidence, replays)),
+        question("replanning", variants::replanning(evidence)),
+        question("damping", variants::damping(evidence)),
     ]
 }
 
@@ -99,10 +156,7 @@ pub(super) fn timed_cases() -> impl Iterator<Item = Case> {
 /// The replays that the questions need: a case, and the settings that differ.
 pub(super) fn replayed() -> impl Iterator<Item = (Case, Vec<String>)> {
     let forms = forms::cases().map(|case| (case, vec![forms::SLACK.to_owned()]));
-    let with = |case| {
-        let sets = [Vec::new()].into_iter().chain(operating_weights::raised_weights().map(|set| vec![set]));
-        sets.map(move |sets| (case, sets))
-    };
+    let with = |case| operating_weights::weights().map(move |sets| (case, sets));
     forms.chain(operating_weights::cases().flat_map(with))
 }
 
@@ -115,12 +169,12 @@ fn ending(result: &TrialResult) -> String {
     }
 }
 
-/// A figure of a trial that stands.
-fn standing(result: &TrialResult, name: &str) -> Option<f64> {
-    figure(&result.rollout, name).filter(|_| result.stands())
-}
-
 /// The replay of a scenario with these settings.
 fn replay_of<'a>(replays: &'a [Replay], scenario: &str, sets: &[String]) -> Option<&'a Replay> {
     replays.iter().find(|replay| replay.scenario == scenario && replay.sets == sets)
+}
+
+/// The least and the largest value.
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, 0.0), |(least, most), value| (least.min(value), most.max(value)))
 }
