@@ -11,7 +11,8 @@ use crate::contact::Surface;
 use crate::error::Error;
 use crate::feet::{FeetMotion, Footing, Sole};
 use crate::planner::MotionReferencePlanner;
-use crate::qp::{self, Condition, Inputs, Layout, Relaxation, Solution, bounds, layout};
+use crate::qp::tasks::Seen;
+use crate::qp::{self, Condition, Inputs, Layout, Limit, Relaxation, Solution, Task, bounds, layout};
 use crate::reference::{ComTrajectory, Observation, Reference, ReferenceGenerator};
 use crate::scenario::{ControllerSettings, Generator, Scenario, Tracking};
 use crate::terrain::Terrain;
@@ -142,9 +143,9 @@ impl Controller {
         feet.update(model, &dynamics);
         let com = ComTrajectory::new(&scenario.reference.com, samples, dynamics.com, &terrain)?;
         let generator = ReferenceGenerator::new(scenario, model, com, &terrain, &observe(&dynamics, &feet, start));
-        let layout = Layout::new(settings.form, &settings.tracking, model);
+        let layout = Layout::new(settings.form, &settings, model);
         Ok(Self {
-            planner: MotionReferencePlanner::new(&settings.planner, model),
+            planner: MotionReferencePlanner::new(&settings, model),
             problem: Problem::new(layout.variables(), layout.rows()),
             solver: Solver::new(layout.variables(), layout.rows()),
             stance: vec![false; model.contacts.len()],
@@ -155,7 +156,7 @@ impl Controller {
                 fallback: Fallback::None,
                 iterations: 0,
                 solves: 0,
-                solution: Solution::new(&layout, model),
+                solution: Solution::new(&layout),
                 active: vec![0; layout.limits().len()],
                 braking: vec![0.0; layout.actuated.len()],
             },
@@ -177,7 +178,15 @@ impl Controller {
     /// As [`Controller::tick`], and tells `done` after each part, so that a caller with a clock can time them.
     pub fn tick_in_parts(&mut self, estimate: &Estimate, dynamics: &Dynamics, mut done: impl FnMut(Part)) -> &Tick {
         self.refer(estimate, dynamics);
-        self.planner.plan(&self.model, dynamics, &self.feet, &estimate.v, self.generator.reference());
+        self.planner.plan(&Seen {
+            model: &self.model,
+            dynamics,
+            feet: &self.feet,
+            q: &estimate.q,
+            v: &estimate.v,
+            reference: self.generator.reference(),
+            settings: &self.settings.planner,
+        });
         done(Part::Reference);
         self.solve(estimate, dynamics, &mut done);
         self.name_limits();
@@ -220,14 +229,13 @@ impl Controller {
             feet: &self.feet,
             q: &estimate.q,
             v: &estimate.v,
-            goal: self.planner.goal(),
+            aims: self.planner.aims(),
             stance: &self.stance,
             footing: &self.generator.reference().footing,
             max_load: &self.generator.reference().max_load,
             ground: &self.ground,
             weights: &settings.weights,
             limits: &settings.limits,
-            tracking: &settings.tracking,
             // Each tick solves at least one program.
             torque_before: (self.tick.solves > 0).then_some(&self.torque_before[..]),
             period: settings.period_s,
@@ -239,8 +247,7 @@ impl Controller {
         tick.conflict.clear();
         tick.iterations = 0;
         tick.solves = 0;
-        let tracking = inputs.tracking;
-        let hard_tasks = [tracking.momentum, tracking.feet, tracking.torso].contains(&Tracking::Equality);
+        let hard_tasks = self.layout.tasks().iter().any(|task| task.how == Tracking::Equality);
         for (braking, &dof) in tick.braking.iter_mut().zip(&self.layout.actuated) {
             *braking = bounds::braking(&inputs, dof).unwrap_or(0.0);
         }
@@ -345,7 +352,22 @@ impl Controller {
         &self.ground
     }
 
-    /// The program's layout, with its limits.
+    /// The tasks, in the order of their rows.
+    pub fn tasks(&self) -> &[Task] {
+        self.layout.tasks()
+    }
+
+    /// The limits that can be active, in the order of [`Tick::active`].
+    pub fn limits(&self) -> &[Limit] {
+        self.layout.limits()
+    }
+
+    /// What the task `name` was missed by in the latest tick, in its rows; empty where there is no such task.
+    pub fn slack(&self, name: &str) -> &[f64] {
+        self.layout.task(name).map_or(&[], |task| &self.tick.solution.slack[task.rows.clone()])
+    }
+
+    /// The program's layout, with its tasks and limits.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }

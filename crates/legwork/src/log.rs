@@ -8,6 +8,7 @@ use crate::control::Estimate;
 use crate::feet::FootRows;
 use crate::qp::Layout;
 use crate::qp::layout::axis_name;
+use crate::qp::tasks::momentum;
 
 /// A group of columns that belong together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -268,24 +269,8 @@ fn schema(model: &Model, layout: &Layout) -> Vec<(Field, Vec<(String, &'static s
     let joints = |name: &str, unit: &'static str| -> Vec<(String, &'static str)> {
         layout.actuated.iter().map(|&dof| (format!("{name}.{}", model.dofs[dof].name), unit)).collect()
     };
-    let momentum = |name: &str| -> Vec<(String, &'static str)> {
-        let angular = model.angular_axes().len();
-        let names = if angular == 1 { vec![String::new()] } else { ["_x", "_y", "_z"].map(str::to_owned).to_vec() };
-        let angular = names.into_iter().map(|axis| (format!("{name}.angular{axis}"), "Nm"));
-        angular.chain(axes.iter().map(|axis| (format!("{name}.linear_{axis}"), "N"))).collect()
-    };
-    let angular = |name: &str| -> Vec<(String, &'static str)> {
-        let names = if model.is_planar() { &[""][..] } else { &["_x", "_y", "_z"] };
-        names.iter().map(|axis| (format!("{name}{axis}"), "rad/s2")).collect()
-    };
-    let mut slack = momentum("slack.momentum");
-    for (foot, rows) in model.feet.iter().zip(FootRows::of(model)) {
-        if !rows.angular.is_empty() {
-            slack.extend(angular(&format!("slack.feet.{foot}_angular")));
-        }
-        slack.extend(axes.iter().map(|axis| (format!("slack.feet.{foot}_{axis}"), "m/s2")));
-    }
-    slack.extend(angular("slack.torso"));
+    let slack = layout.tasks().iter().flat_map(|task| task.columns(&format!("slack.{}", task.name)));
+    let momentum = layout.task(momentum::NAME).map(|task| task.columns("momentum_rate_goal"));
     let feet = model.feet.iter().take(2).flat_map(|foot| motion(&format!("foot_reference.{foot}"))).collect();
     let positions = model.q_names().into_iter().enumerate().map(|(index, name)| {
         let rotational = model.nq() == model.nv() && model.dofs[index].rotational;
@@ -330,9 +315,9 @@ fn schema(model: &Model, layout: &Layout) -> Vec<(Field, Vec<(String, &'static s
         (Field::FeetReference, feet),
         (Field::Swing, vec![("swing".into(), ""), ("swing_since".into(), "s")]),
         (Field::Touching, model.contacts.iter().map(|contact| (format!("touching.{}", contact.name), "")).collect()),
-        (Field::MomentumRateGoal, momentum("momentum_rate_goal")),
+        (Field::MomentumRateGoal, momentum.unwrap_or_default()),
         (Field::Acceleration, dofs("acceleration", "m/s2", "rad/s2")),
-        (Field::Slack, slack),
+        (Field::Slack, slack.collect()),
         (Field::ActiveLimit, limits.collect()),
         (Field::Braking, joints("braking", "rad/s2")),
         (

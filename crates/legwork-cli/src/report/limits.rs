@@ -2,11 +2,10 @@
 
 use legwork::control::Fallback;
 use legwork::episode::Run;
-use legwork::feet::FootRows;
 use legwork::log::Field;
 use legwork::qp::{Limit, LimitKind};
 
-use super::chart::{Panel, Row, rows_panel};
+use super::chart::{Panel, Row, Series, rows_panel};
 use super::figures::{line, panel, plain, side, spans};
 
 /// Rows of active limits and fallbacks, then a panel of slack for each task.
@@ -68,26 +67,23 @@ fn rows(run: &Run, times: &[f64]) -> Vec<Row> {
     rows
 }
 
-/// The size of each task's slack.
+/// The size of each task's slack: a panel for each quantity, with a line for each foot where it is about feet.
 fn slack(run: &Run) -> Vec<Panel> {
-    let (log, d) = (&run.log, run.model.linear_axes().len());
-    let angular = run.model.angular_axes().len();
     let norm = |range: std::ops::Range<usize>| -> Vec<f64> {
-        let values = |index: usize| &log.get(index, Field::Slack)[range.clone()];
-        (0..log.len()).map(|index| values(index).iter().map(|value| value * value).sum::<f64>().sqrt()).collect()
+        let values = run.log.records().map(|record| &record[run.log.range(Field::Slack)][range.clone()]);
+        values.map(|values| values.iter().map(|value| value * value).sum::<f64>().sqrt()).collect()
     };
-    let rows = FootRows::of(&run.model);
-    let feet = run.model.feet.iter().zip(&rows).map(|(name, rows)| {
-        let first = angular + d + rows.linear.start;
-        let class = if side(name) == "left" { "left dashed" } else { side(name) };
-        line(&plain(name), class, norm(first..first + d))
-    });
-    let feet: Vec<_> = feet.collect();
-    let torso = angular + d + rows.last().map_or(0, |rows| rows.linear.end);
-    vec![
-        panel("momentum rate, linear [N]", 86.0, 1.0, vec![line("slack", "", norm(angular..angular + d))]),
-        panel("momentum rate, angular [Nm]", 86.0, 1.0, vec![line("slack", "", norm(0..angular))]),
-        panel("feet [m/s²]", 86.0, 1.0, feet),
-        panel("torso [rad/s²]", 86.0, 1.0, vec![line("slack", "", norm(torso..torso + angular))]),
-    ]
+    let mut lines: Vec<(String, Vec<Series>)> = Vec::new();
+    for (part, rows) in run.layout.tasks().iter().flat_map(|task| task.parts()) {
+        let line = match part.of.as_str() {
+            "" => line("slack", "", norm(rows)),
+            of => line(&plain(of), if side(of) == "left" { "left dashed" } else { side(of) }, norm(rows)),
+        };
+        let title = format!("{} [{}]", part.quantity, part.unit.replace("s2", "s²"));
+        match lines.iter_mut().find(|(known, _)| *known == title) {
+            Some((_, lines)) => lines.push(line),
+            None => lines.push((title, vec![line])),
+        }
+    }
+    lines.into_iter().map(|(title, lines)| panel(&title, 86.0, 1.0, lines)).collect()
 }

@@ -9,6 +9,7 @@ use super::reach::Steps;
 use crate::control::Fallback;
 use crate::feet::FootRows;
 use crate::log::{Field, Log};
+use crate::qp::tasks::{feet, momentum, torso};
 use crate::qp::{Layout, LimitKind};
 use crate::reference::xcom;
 use crate::scenario::Scenario;
@@ -48,28 +49,16 @@ pub(super) struct Evidence<'a> {
     /// Number of linear axes.
     pub(super) axes: usize,
     feet: Vec<FootRows>,
-    actuated: Vec<usize>,
+    pub(super) layout: &'a Layout,
 }
 
 impl<'a> Evidence<'a> {
-    pub(super) fn new(scenario: &'a Scenario, model: &'a Model, log: &'a Log, layout: &Layout) -> Self {
+    pub(super) fn new(scenario: &'a Scenario, model: &'a Model, log: &'a Log, layout: &'a Layout) -> Self {
         let axes = model.linear_axes().len();
         let (ground, believed) = (Terrain::of(scenario, model), Terrain::believed(scenario, model));
         let (stretches, saturations) = (stretches(log), saturations(model, layout));
         let (feet, steps) = (FootRows::of(model), Steps::of(scenario, model));
-        Self {
-            scenario,
-            model,
-            log,
-            stretches,
-            saturations,
-            steps,
-            ground,
-            believed,
-            axes,
-            feet,
-            actuated: layout.actuated.clone(),
-        }
+        Self { scenario, model, log, stretches, saturations, steps, ground, believed, axes, feet, layout }
     }
 
     pub(super) fn time(&self, i: usize) -> f64 {
@@ -125,24 +114,25 @@ impl<'a> Evidence<'a> {
         points.filter(|(point, _)| point.foot == foot).any(|(_, &flag)| flag > 0.5)
     }
 
+    /// What a task misses, in its rows; empty where the controller has no such task.
+    fn slack(&self, i: usize, task: &str) -> &[f64] {
+        self.layout.task(task).map_or(&[], |task| &self.log.get(i, Field::Slack)[task.rows.clone()])
+    }
+
     /// Upward force that the momentum task misses [N].
     pub(super) fn missed_force(&self, i: usize) -> f64 {
-        let momentum = self.model.angular_axes().len() + self.axes;
-        self.log.get(i, Field::Slack)[momentum - 1].max(0.0)
+        self.slack(i, momentum::NAME).last().map_or(0.0, |force| force.max(0.0))
     }
 
     /// Acceleration that the task of a foot misses [m/s²].
     pub(super) fn missed_foot(&self, i: usize, foot: usize) -> f64 {
-        let momentum = self.model.angular_axes().len() + self.axes;
-        let slack = &self.log.get(i, Field::Slack)[momentum..][self.feet[foot].linear.clone()];
+        let slack = self.slack(i, feet::NAME).get(self.feet[foot].linear.clone()).unwrap_or(&[]);
         slack.iter().map(|value| value * value).sum::<f64>().sqrt()
     }
 
     /// Angular acceleration that the torso task misses [rad/s²].
     pub(super) fn missed_torso(&self, i: usize) -> f64 {
-        let slack = self.log.get(i, Field::Slack);
-        let torso = &slack[slack.len() - self.model.angular_axes().len()..];
-        torso.iter().map(|value| value * value).sum::<f64>().sqrt()
+        self.slack(i, torso::NAME).iter().map(|value| value * value).sum::<f64>().sqrt()
     }
 
     pub(super) fn fallback(&self, i: usize) -> f64 {
@@ -178,7 +168,7 @@ impl<'a> Evidence<'a> {
 
     /// Whether the torque of an actuated joint, where a bound holds it, is within its limit.
     fn is_slewing(&self, index: usize, i: usize) -> bool {
-        self.log.get(i, Field::Torque)[index].abs() < FULL * self.torque_limit(self.actuated[index])
+        self.log.get(i, Field::Torque)[index].abs() < FULL * self.torque_limit(self.layout.actuated[index])
     }
 
     /// Largest torque of a joint [Nm].

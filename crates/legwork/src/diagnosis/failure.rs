@@ -9,6 +9,7 @@ use std::ops::Range;
 use super::evidence::Evidence;
 use super::reach::Steps;
 use super::{Event, What};
+use crate::qp::tasks::{feet, momentum, torso};
 
 // What is out of order. The built-in scenarios, which stand, reach 0.05 m, 15 deg and 0.06 m on point feet; with soles 0.1 m, and
 // 29 deg after a push and uphill, from which they come back.
@@ -48,9 +49,9 @@ impl Failure {
     /// The task that should keep the figure in order.
     pub(super) fn task(&self) -> Option<&'static str> {
         match self.kind {
-            Kind::Sinking => Some("momentum"),
-            Kind::Leaning => Some("torso"),
-            Kind::Astray(_) => Some("feet"),
+            Kind::Sinking => Some(momentum::NAME),
+            Kind::Leaning => Some(torso::NAME),
+            Kind::Astray(_) => Some(feet::NAME),
             Kind::OutOfReach | Kind::Sudden => None,
         }
     }

@@ -18,17 +18,19 @@ pub mod cost;
 pub mod layout;
 pub mod limit;
 mod solution;
+pub mod tasks;
 
 use legwork_qp::Problem;
 use legwork_rbd::{Dynamics, Model};
 
 use crate::contact::Surface;
 use crate::feet::{FeetMotion, Footing};
-use crate::planner::MotionGoal;
-use crate::scenario::{Limits, TrackingSettings, Weights};
+use crate::scenario::{Limits, Weights};
 pub use layout::Layout;
 pub use limit::{Condition, Limit, LimitKind};
-pub use solution::{Slack, Solution, read_solution};
+pub use solution::{Solution, read_solution};
+use tasks::Aim;
+pub use tasks::Task;
 
 /// What the program is built from in one tick.
 #[derive(Clone, Copy, Debug)]
@@ -43,8 +45,8 @@ pub struct Inputs<'a> {
     pub q: &'a [f64],
     /// Joint velocities [rad/s, m/s].
     pub v: &'a [f64],
-    /// The motion reference planner's goals.
-    pub goal: &'a MotionGoal,
+    /// The tasks' laws with the motion reference planner's goals, in the order of [`Layout::tasks`].
+    pub aims: &'a [Aim],
     /// Which contacts may carry force.
     pub stance: &'a [bool],
     /// What the feet do.
@@ -57,8 +59,6 @@ pub struct Inputs<'a> {
     pub weights: &'a Weights,
     /// The bounds.
     pub limits: &'a Limits,
-    /// Cost or equality, a task.
-    pub tracking: &'a TrackingSettings,
     /// Torques of the tick before [Nm]; none in the first.
     pub torque_before: Option<&'a [f64]>,
     /// Time between two ticks [s].

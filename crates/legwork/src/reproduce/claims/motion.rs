@@ -241,7 +241,7 @@ fn phases(run: &Run) -> Vec<Check> {
 
 fn slack_has_more_rows(run: &Run) -> Check {
     let [direct, slack] =
-        [QpForm::Direct, QpForm::Slack].map(|form| Layout::new(form, &run.scenario.controller.tracking, &run.model));
+        [QpForm::Direct, QpForm::Slack].map(|form| Layout::new(form, &run.scenario.controller, &run.model));
     let size = |layout: &Layout| format!("{} variables and {} rows", layout.variables(), layout.rows());
     let finding = format!("slack form {}, direct form {}", size(&slack), size(&direct));
     Check::new(slack.rows() > direct.rows(), finding)

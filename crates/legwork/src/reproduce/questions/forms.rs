@@ -87,7 +87,7 @@ pub(super) fn question(evidence: &Evidence, times: &[FormTimes], replays: &[Repl
     ];
     let run = evidence.run(cases().next().expect("there are cases"));
     let size = |form| {
-        let layout = Layout::new(form, &run.scenario.controller.tracking, &run.model);
+        let layout = Layout::new(form, &run.scenario.controller, &run.model);
         vec![Entry::from(layout.variables() as f64), (layout.rows() as f64).into()]
     };
     let sizes = [("direct", QpForm::Direct), ("slack", QpForm::Slack)];
