@@ -9,7 +9,7 @@ use legwork_qp::Status;
 use legwork_rbd::Dynamics;
 
 use crate::generator::Reference;
-use crate::momentum::{Condition, Fallback, Limit};
+use crate::momentum::{Condition, Fallback, Limit, Task};
 use crate::settings::{ControllerSettings, ReferenceSettings};
 
 /// A controller, whatever is in it. Only [`Controller::tick`] and [`Controller::command`] must be there; the rest is what a log,
@@ -30,6 +30,11 @@ pub trait Controller: Debug + Send + Sync {
     /// How the latest tick's program went; none for a controller that solves none.
     fn program(&self) -> Option<&Program> {
         None
+    }
+
+    /// The tasks that it weighs, in the order of their rows; none for a controller without tasks.
+    fn tasks(&self) -> &[Task] {
+        &[]
     }
 
     /// The limits that can be active; none for a controller that tells none.

@@ -11,6 +11,7 @@ use legwork::control::{Controller, Fallback};
 use legwork::episode::Run;
 use legwork::error::Error;
 use legwork::log::Field;
+use legwork::momentum::tasks::{feet, momentum};
 use legwork_study::{Base, Variant};
 
 /// What a program did with the states and references of another run.
@@ -55,17 +56,17 @@ pub(crate) fn replay(run: &Run, sets: &[String]) -> Result<Replay, Error> {
         let estimate = run.log.truth(index);
         dynamics.update(&model, &estimate.q, &estimate.v);
         controller.tick(&estimate, &dynamics);
-        let (tick, goal) = (controller.latest(), controller.planner().goal());
-        let slack = &tick.solution.slack;
-        vertical += slack.momentum[angular + dimension - 1];
-        linear.extend_from_slice(&slack.momentum[angular..]);
+        let (tick, goal) = (controller.latest(), controller.planner().goal(feet::NAME));
+        let [momentum, feet] = [momentum::NAME, feet::NAME].map(|task| controller.slack(task));
+        vertical += momentum[angular + dimension - 1];
+        linear.extend_from_slice(&momentum[angular..]);
         for foot in 0..model.feet.len() {
             let rows = controller.feet().rows(foot).linear.clone();
             if controller.reference().and_then(|reference| reference.swing).is_some_and(|swing| swing.foot == foot) {
-                swing.extend_from_slice(&slack.feet[rows.clone()]);
-                asked.extend_from_slice(&goal.foot_acceleration.as_slice()[rows]);
+                swing.extend_from_slice(&feet[rows.clone()]);
+                asked.extend_from_slice(&goal[rows]);
             } else {
-                stance.extend_from_slice(&slack.feet[rows]);
+                stance.extend_from_slice(&feet[rows]);
             }
         }
         let torques = tick.solution.tau.iter().zip(run.log.get(index, Field::Torque));

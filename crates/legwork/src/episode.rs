@@ -16,7 +16,7 @@ use crate::feet::FeetMotion;
 use crate::generator::{Generator, check_model};
 use crate::log::Log;
 use crate::metrics::{self, Metrics};
-use crate::momentum::{Condition, Fallback, Limit};
+use crate::momentum::{Condition, Fallback, Limit, Task};
 use crate::record;
 use crate::scenario::Scenario;
 use crate::sim::audit::Audit;
@@ -85,6 +85,8 @@ pub struct Run {
     pub model: Model,
     /// The robot as the controller knows it; the same but for `simulation.model_error`.
     pub known: Model,
+    /// The controller's tasks, in the order of the log's columns of slack.
+    pub tasks: Vec<Task>,
     /// The controller's limits, in the order of the log's columns of active ones.
     pub limits: Vec<Limit>,
     /// How it ended.
@@ -442,9 +444,11 @@ impl Episode {
             None if self.tick < self.ticks => Outcome::Stopped,
             None => Outcome::Completed,
         };
-        let limits = self.controller.limits().to_vec();
+        let (tasks, limits) = (self.controller.tasks().to_vec(), self.controller.limits().to_vec());
         let diagnosis = match &outcome {
-            Outcome::Fell(fall) => Some(diagnosis::diagnose(&self.scenario, &self.model, fall, &self.log, &limits)),
+            Outcome::Fell(fall) => {
+                Some(diagnosis::diagnose(&self.scenario, &self.model, fall, &self.log, (&tasks, &limits)))
+            }
             Outcome::Completed | Outcome::Stopped => None,
         };
         let mut program = self.program;
@@ -463,6 +467,7 @@ impl Episode {
             timing: Timing { ticks_s: self.tick_times, wall_s },
             input_hash: self.input_hash,
             result_hash,
+            tasks,
             limits,
             scenario: self.scenario,
             model: self.model,

@@ -5,7 +5,7 @@ mod common;
 use legwork::diagnosis::{Diagnosis, FirstCause, What};
 use legwork::episode::{self, Outcome, Run};
 use legwork::log::Field;
-use legwork::qp::LimitKind;
+use legwork::momentum::LimitKind;
 use legwork::scenario::Scenario;
 use legwork::{library, scenario_file};
 use legwork_rbd::Model;

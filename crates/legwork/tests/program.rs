@@ -8,8 +8,8 @@ use legwork::contact::Surface;
 use legwork::contract::Sensed;
 use legwork::control::{Controller, Fallback};
 use legwork::feet::{FeetMotion, Footing};
+use legwork::momentum::tasks::Aim;
 use legwork::momentum::{self, Condition, Inputs, Layout, LimitKind, Relaxation, Solution};
-use legwork::planner::MotionGoal;
 use legwork::scenario::{QpForm, Scenario, Tracking};
 use legwork::{library, scenario_file};
 use legwork_qp::{Problem, Solver, Status};
@@ -19,7 +19,7 @@ use legwork_rbd::{Dynamics, Model};
 struct State {
     scenario: Scenario,
     model: Model,
-    goal: MotionGoal,
+    aims: Vec<Aim>,
     feet: FeetMotion,
     ground: Vec<Surface>,
     dynamics: Dynamics,
@@ -29,7 +29,7 @@ struct State {
 
 impl State {
     fn layout(&self, form: QpForm) -> Layout {
-        Layout::new(form, &self.scenario.controller.tracking, &self.model)
+        Layout::new(form, &self.scenario.controller, &self.model)
     }
 
     fn build(&self, layout: &Layout, change: impl FnOnce(&mut Scenario)) -> Problem {
@@ -47,14 +47,13 @@ impl State {
             feet: &self.feet,
             q: &self.estimate.q,
             v: &self.estimate.v,
-            goal: &self.goal,
+            aims: &self.aims,
             stance: &self.stance,
             footing: &[Footing::Stands; 2],
             max_load: &[f64::INFINITY; 2],
             ground: &self.ground,
             weights: &scenario.controller.weights,
             limits: &scenario.controller.limits,
-            tracking: &scenario.controller.tracking,
             torque_before: None,
             period: 0.001,
             relaxed: Relaxation::default(),
@@ -64,11 +63,11 @@ impl State {
     fn solve(&self, form: QpForm, change: impl Fn(&mut Scenario)) -> (Status, Solution, Problem, Solver) {
         let mut scenario = self.scenario.clone();
         change(&mut scenario);
-        let layout = Layout::new(form, &scenario.controller.tracking, &self.model);
+        let layout = Layout::new(form, &scenario.controller, &self.model);
         let problem = self.build(&layout, &change);
         let mut solver = Solver::new(layout.variables(), layout.rows());
         let status = solver.solve(&problem);
-        let mut solution = Solution::new(&layout, &self.model);
+        let mut solution = Solution::new(&layout);
         momentum::read_solution(&layout, &self.inputs(&scenario), solver.x(), &mut solution);
         (status, solution, problem, solver)
     }
@@ -93,7 +92,7 @@ fn states(name: &str, every: usize) -> Vec<State> {
             found.push(State {
                 scenario: loaded.scenario.clone(),
                 model: model.clone(),
-                goal: controller.planner().goal().clone(),
+                aims: controller.planner().aims().to_vec(),
                 feet: controller.feet().clone(),
                 ground: controller.ground().to_vec(),
                 dynamics: dynamics.clone(),
@@ -112,13 +111,21 @@ fn the_slack_form_is_appendix_b() {
         let layout = state.layout(QpForm::Slack);
         let problem = state.build(&layout, |_| {});
         let dynamics = &state.dynamics;
-        let goal = &state.goal;
+        let goal = |task: &str| {
+            let aim = state.aims.iter().find(|aim| aim.law.name() == task).expect("a task");
+            nalgebra::DVector::from_column_slice(&aim.goal)
+        };
 
         // (B.1), (B.2): 7 + 4 + 4 + 3 + 4 + 1 = 23 variables.
         assert_eq!(layout.variables(), 23);
         assert_eq!(
-            [&layout.qdd, &layout.rho, &layout.tau, &layout.s_m, &layout.s_f, &layout.s_a].map(Clone::clone),
-            [0..7, 7..11, 11..15, 15..18, 18..22, 22..23]
+            [&layout.qdd, &layout.rho, &layout.tau, &layout.slack].map(Clone::clone),
+            [0..7, 7..11, 11..15, 15..23]
+        );
+        let tasks = layout.tasks().iter().map(|task| (task.name, task.variables.clone(), task.constraints.clone()));
+        assert_eq!(
+            tasks.collect::<Vec<_>>(),
+            [("momentum", 15..18, 7..10), ("feet", 18..22, 10..14), ("torso", 22..23, 14..15)]
         );
         // (B.9): 7 + 3 + 4 + 1 + 4 = 19 equality rows; (B.7): 6 inequality rows.
         assert_eq!(layout.rows(), 25);
@@ -140,9 +147,9 @@ fn the_slack_form_is_appendix_b() {
             }
         }
         b_eq.rows_mut(0, 7).copy_from(&-(&dynamics.bias + &dynamics.damping));
-        b_eq.rows_mut(7, 3).copy_from(&(&goal.momentum_rate - &dynamics.momentum_bias));
-        b_eq.rows_mut(10, 4).copy_from(&(&goal.foot_acceleration - &dynamics.contact_bias));
-        b_eq[14] = goal.torso_acceleration[0];
+        b_eq.rows_mut(7, 3).copy_from(&(goal("momentum") - &dynamics.momentum_bias));
+        b_eq.rows_mut(10, 4).copy_from(&(goal("feet") - &dynamics.contact_bias));
+        b_eq[14] = goal("torso")[0];
         for row in 0..19 {
             for column in 0..23 {
                 let (found, expected) = (problem.row(row)[column], a_eq[(row, column)]);
@@ -205,13 +212,7 @@ fn both_forms_have_the_same_optimum() {
                 close(&format!("{name} {time} q̈"), &direct.qdd, &slack.qdd, 1000.0, 1e-8);
                 close(&format!("{name} {time} ρ"), &direct.rho, &slack.rho, 1000.0, 1e-7);
                 close(&format!("{name} {time} τ"), &direct.tau, &slack.tau, 220.0, 1e-7);
-                close(
-                    &format!("{name} {time} s"),
-                    &direct.slack.iter().collect::<Vec<_>>(),
-                    &slack.slack.iter().collect::<Vec<_>>(),
-                    1000.0,
-                    1e-7,
-                );
+                close(&format!("{name} {time} s"), &direct.slack, &slack.slack, 1000.0, 1e-7);
                 let kkt = problem.kkt(solver.x(), solver.row_multipliers(), solver.bound_multipliers());
                 assert!(kkt.worst_relative() < 1e-9, "{name} {time}: {kkt:?}");
                 compared += 1;
@@ -308,7 +309,8 @@ fn a_hard_task_is_met_or_named_infeasible() {
                 state.solve(form, |scenario| scenario.controller.tracking.feet = Tracking::Equality);
             if status == Status::Optimal {
                 met += 1;
-                close("foot slack", &solution.slack.feet, &[0.0; 4], 1.0, 1e-6);
+                let rows = state.layout(form).task("feet").expect("a task").rows.clone();
+                close("foot slack", &solution.slack[rows], &[0.0; 4], 1.0, 1e-6);
             } else {
                 infeasible += 1;
                 assert_eq!(status, Status::Infeasible);

@@ -1,28 +1,86 @@
 //! The tasks and limits of the program as data, for every built-in model.
 
+mod common;
+
 use std::collections::HashSet;
 
+use legwork::control::{Controller, MomentumController};
 use legwork::library;
-use legwork::qp::Layout;
+use legwork::log::Field;
+use legwork::momentum::Layout;
 use legwork::scenario::{QpForm, Scenario};
-use legwork_rbd::Model;
+use legwork_rbd::Dynamics;
 
-fn models() -> impl Iterator<Item = Model> {
-    library::model_names().map(|name| library::load_model(name, None).expect("a built-in model"))
-}
+/// A scenario of each built-in model.
+const SCENARIOS: [&str; 3] = ["walk", "feet-walk", "exo-lift"];
 
 #[test]
 fn every_limit_has_words_and_a_column_of_its_own() {
-    let tracking = Scenario::default().controller.tracking;
-    for model in models().filter(Model::is_planar) {
+    let settings = Scenario::default().controller;
+    let models = library::model_names().map(|name| library::load_model(name, None).expect("a built-in model"));
+    for model in models {
         for form in [QpForm::Direct, QpForm::Slack] {
-            let layout = Layout::new(form, &tracking, &model);
+            let layout = Layout::new(form, &settings, &model);
             let limits = layout.limits();
             assert_eq!(limits.len(), 2 * layout.actuated.len() + layout.rho.len() + layout.friction_rows.len());
             let different = |texts: Vec<String>| texts.iter().collect::<HashSet<_>>().len();
             assert_eq!(different(limits.iter().map(|limit| limit.in_words(&model)).collect()), limits.len());
             assert_eq!(different(limits.iter().map(|limit| limit.column(&model)).collect()), limits.len());
             assert_eq!(limits.iter().map(|limit| limit.kind).collect::<HashSet<_>>().len(), limits.len());
+        }
+    }
+}
+
+/// `J q̈ + J̇ q̇ + s = goal`, in the program, in its solution and in the log.
+#[test]
+fn rows_jacobian_goal_and_slack_of_every_task_agree() {
+    let mut models = HashSet::new();
+    for (name, form) in SCENARIOS.iter().flat_map(|name| ["direct", "slack"].map(|form| (name, form))) {
+        let run = common::run(name, &["duration_s=0.4", &format!("controller.form={form}")]);
+        models.insert(run.scenario.model.clone());
+        let mut controller =
+            run.scenario.momentum_controller(&run.model, &[], &run.log.truth(0)).expect("the model fits");
+        let mut dynamics = Dynamics::new(&run.model);
+        for index in 0..run.log.len() {
+            let estimate = run.log.truth(index);
+            dynamics.update(&run.model, &estimate.q, &estimate.v);
+            controller.tick(&estimate, &dynamics);
+            check(&controller, &dynamics, run.log.get(index, Field::Slack), &format!("{name}, {form}, tick {index}"));
+        }
+    }
+    assert_eq!(models, library::model_names().map(str::to_owned).collect());
+}
+
+fn check(controller: &MomentumController, dynamics: &Dynamics, logged: &[f64], what: &str) {
+    let (tasks, aims, problem) = (controller.tasks(), controller.planner().aims(), controller.problem());
+    let layout = controller.layout();
+    assert_eq!((tasks.len(), tasks.last().expect("a task").rows.end), (aims.len(), logged.len()), "{what}");
+    let mut next = 0;
+    for (task, aim) in tasks.iter().zip(aims) {
+        let what = format!("{what}, {}", task.name);
+        let (slack, (jacobian, bias)) = (controller.slack(task.name), aim.law.motion(dynamics, controller.feet()));
+        assert_eq!(task.name, aim.law.name());
+        assert_eq!(task.rows, next..next + aim.goal.len(), "{what}");
+        assert_eq!(task.parts().map(|(_, rows)| rows.len()).sum::<usize>(), aim.goal.len(), "{what}");
+        assert_eq!((jacobian.nrows(), bias.len()), (aim.goal.len(), aim.goal.len()), "{what}");
+        assert_eq!(slack, &logged[task.rows.clone()], "{what}");
+        next = task.rows.end;
+        let achieved = jacobian * nalgebra::DVector::from_column_slice(&controller.latest().solution.qdd) + bias;
+        for row in 0..aim.goal.len() {
+            let (sum, goal) = (achieved[row] + slack[row], aim.goal[row]);
+            assert!((sum - goal).abs() < 1e-9 * (1.0 + goal.abs() + achieved[row].abs()), "{what}: {sum} for {goal}");
+        }
+        // The slack form has all tasks as rows, the direct form none that is a cost.
+        let rows = if layout.form == QpForm::Slack { aim.goal.len() } else { 0 };
+        assert_eq!((task.constraints.len(), task.variables.len()), (rows, rows), "{what}");
+        for (row, (constraint, variable)) in task.constraints.clone().zip(task.variables.clone()).enumerate() {
+            let coefficients = problem.row(constraint);
+            assert!(layout.qdd.clone().all(|j| coefficients[j] == jacobian[(row, j)]), "{what}");
+            assert!(layout.slack.clone().all(|j| coefficients[j] == f64::from(u8::from(j == variable))), "{what}");
+            assert_eq!(
+                [problem.row_lower()[constraint], problem.row_upper()[constraint]],
+                [aim.goal[row] - bias[row]; 2]
+            );
         }
     }
 }

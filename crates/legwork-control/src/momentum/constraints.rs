@@ -46,51 +46,29 @@ pub fn friction(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
 /// Tracking. Thesis (4.17), (4.19), (4.20) with slack variables as in (B.9); without them a task has rows only where it
 /// is an equality, and they bind only where it has not yielded.
 pub fn tasks(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
-    let (dynamics, feet, goal, tracking) = (inputs.dynamics, inputs.feet, inputs.goal, inputs.tracking);
-    let hard = |task: Tracking| task == Tracking::Equality && !inputs.relaxed.tasks;
-
-    let momentum = Task { rows: layout.momentum_rows.start, slack: layout.s_m.start, hard: hard(tracking.momentum) };
-    for i in 0..layout.momentum_rows.len() {
-        let target = goal.momentum_rate[i] - dynamics.momentum_bias[i];
-        task_row(layout, problem, &momentum, i, &dynamics.momentum_matrix, target);
-    }
-    let task = Task { rows: layout.feet_rows.start, slack: layout.s_f.start, hard: hard(tracking.feet) };
-    for i in 0..layout.feet_rows.len() {
-        task_row(layout, problem, &task, i, &feet.jacobian, goal.foot_acceleration[i] - feet.bias[i]);
-    }
-    let torso = Task { rows: layout.torso_rows.start, slack: layout.s_a.start, hard: hard(tracking.torso) };
-    for i in 0..layout.torso_rows.len() {
-        let target = goal.torso_acceleration[i] - dynamics.torso_bias[i];
-        task_row(layout, problem, &torso, i, &dynamics.torso_jacobian, target);
-    }
-}
-
-/// Where a task's rows and slack variables begin, and whether it is an equality.
-struct Task {
-    rows: usize,
-    slack: usize,
-    hard: bool,
-}
-
-/// `jacobian_i q̈ + s_i = target`.
-fn task_row(layout: &Layout, problem: &mut Problem, task: &Task, i: usize, jacobian: &DMatrix<f64>, target: f64) {
     let slack = layout.form == QpForm::Slack;
-    if !slack && !task.hard {
-        return; // in the cost alone
-    }
-    let index = task.rows + i;
-    let row = problem.row_mut(index);
-    for j in 0..layout.qdd.len() {
-        row[layout.qdd.start + j] = jacobian[(i, j)];
-    }
-    if slack {
-        row[task.slack + i] = 1.0;
-        if task.hard {
-            problem.lower_mut()[task.slack + i] = 0.0;
-            problem.upper_mut()[task.slack + i] = 0.0;
+    for (task, aim) in layout.tasks().iter().zip(inputs.aims) {
+        let hard = task.how == Tracking::Equality && !inputs.relaxed.tasks;
+        if !slack && !hard {
+            continue; // in the cost alone
+        }
+        let (jacobian, bias) = aim.law.motion(inputs.dynamics, inputs.feet);
+        for (i, index) in task.constraints.clone().enumerate() {
+            let row = problem.row_mut(index);
+            for j in 0..layout.qdd.len() {
+                row[layout.qdd.start + j] = jacobian[(i, j)];
+            }
+            if slack {
+                let variable = task.variables.start + i;
+                row[variable] = 1.0;
+                if hard {
+                    problem.lower_mut()[variable] = 0.0;
+                    problem.upper_mut()[variable] = 0.0;
+                }
+            }
+            equality(problem, index, aim.goal[i] - bias[i]);
         }
     }
-    equality(problem, index, target);
 }
 
 /// Complementarity. Thesis (4.10), (B.10): `d_f ρ = 0`, with the contact flag in place of the distance. In the direct

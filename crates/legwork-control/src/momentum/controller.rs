@@ -7,13 +7,14 @@
 use legwork_contract::channel::{Channel, Field, Record};
 use legwork_contract::contact::Surface;
 use legwork_contract::contract::{Command, Sensed};
-use legwork_contract::feet::{FeetMotion, FootRows, Footing};
+use legwork_contract::feet::{FeetMotion, Footing};
 use legwork_contract::names;
 use legwork_contract::terrain::Terrain;
 use legwork_qp::{Problem, Solver, Status};
 use legwork_rbd::{Dynamics, Model};
 
-use super::{Inputs, Layout, Limit, Relaxation, Solution, bounds, layout};
+use super::tasks::{Seen, momentum};
+use super::{Inputs, Layout, Limit, Relaxation, Solution, Task, bounds, layout};
 use crate::controller::{Controller, Program};
 use crate::generator::{Generator, Observation, Reference};
 use crate::planner::MotionReferencePlanner;
@@ -107,17 +108,17 @@ pub struct MomentumController {
 impl MomentumController {
     /// A controller for `model` on the `terrain` that it believes in, which follows a `generator`.
     pub fn new(settings: &ControllerSettings, model: &Model, terrain: &Terrain, generator: Box<dyn Generator>) -> Self {
-        let layout = Layout::new(settings.form, &settings.tracking, model);
+        let layout = Layout::new(settings.form, settings, model);
         let actuated = layout.actuated.len();
         Self {
-            planner: MotionReferencePlanner::new(&settings.planner, model),
+            planner: MotionReferencePlanner::new(settings, model),
             problem: Problem::new(layout.variables(), layout.rows()),
             solver: Solver::new(layout.variables(), layout.rows()),
             stance: vec![false; model.contacts.len()],
             torque_before: vec![0.0; actuated],
             tick: Tick {
                 program: Program::new([layout.variables(), layout.rows()]),
-                solution: Solution::new(&layout, model),
+                solution: Solution::new(&layout),
                 active: vec![0; layout.limits().len()],
                 braking: vec![0.0; actuated],
             },
@@ -137,7 +138,15 @@ impl MomentumController {
     pub fn tick_in_parts(&mut self, sensed: &Sensed, dynamics: &Dynamics, mut done: impl FnMut(Part)) -> &Tick {
         if sensed.fits(&self.model) {
             self.refer(sensed, dynamics);
-            self.planner.plan(&self.model, dynamics, &self.feet, &sensed.v, &self.reference);
+            self.planner.plan(&Seen {
+                model: &self.model,
+                dynamics,
+                feet: &self.feet,
+                q: &sensed.q,
+                v: &sensed.v,
+                reference: &self.reference,
+                settings: &self.settings.planner,
+            });
             done(Part::Reference);
             self.solve(sensed, dynamics, &mut done);
         } else {
@@ -192,14 +201,13 @@ impl MomentumController {
             feet: &self.feet,
             q: &sensed.q,
             v: &sensed.v,
-            goal: self.planner.goal(),
+            aims: self.planner.aims(),
             stance: &self.stance,
             footing: &self.reference.footing,
             max_load: &self.reference.max_load,
             ground: &self.ground,
             weights: &settings.weights,
             limits: &settings.limits,
-            tracking: &settings.tracking,
             // Each tick solves at least one program.
             torque_before: (self.tick.program.solves > 0).then_some(&self.torque_before[..]),
             period: settings.period_s,
@@ -209,8 +217,7 @@ impl MomentumController {
         self.solver.select_mode(self.stance.iter().fold(0, |mode, &stands| mode << 1 | u64::from(stands)));
         let tick = &mut self.tick;
         tick.program.begin();
-        let tracking = inputs.tracking;
-        let hard_tasks = [tracking.momentum, tracking.feet, tracking.torso].contains(&Tracking::Equality);
+        let hard_tasks = self.layout.tasks().iter().any(|task| task.how == Tracking::Equality);
         for (braking, &dof) in tick.braking.iter_mut().zip(&self.layout.actuated) {
             *braking = bounds::braking(&inputs, dof).unwrap_or(0.0);
         }
@@ -290,6 +297,11 @@ impl MomentumController {
         &self.ground
     }
 
+    /// What the task `name` was missed by in the latest tick, in its rows; empty where there is no such task.
+    pub fn slack(&self, name: &str) -> &[f64] {
+        self.layout.task(name).map_or(&[], |task| &self.tick.solution.slack[task.rows.clone()])
+    }
+
     /// The program's layout.
     pub fn layout(&self) -> &Layout {
         &self.layout
@@ -314,6 +326,10 @@ impl Controller for MomentumController {
         Some(&self.tick.program)
     }
 
+    fn tasks(&self) -> &[Task] {
+        self.layout.tasks()
+    }
+
     fn limits(&self) -> &[Limit] {
         self.layout.limits()
     }
@@ -324,20 +340,12 @@ impl Controller for MomentumController {
 
     fn channels(&self) -> Vec<Channel> {
         let model = &self.model;
-        let angular =
-            |name: &str| names::angular(model).iter().map(|axis| (format!("{name}{axis}"), "rad/s2")).collect();
-        let mut slack = names::momentum(model, "slack.momentum");
-        for (foot, rows) in model.feet.iter().zip(FootRows::of(model)) {
-            if !rows.angular.is_empty() {
-                slack.extend::<names::Names>(angular(&format!("slack.feet.{foot}_angular")));
-            }
-            slack.extend(names::vector(model, &format!("slack.feet.{foot}"), "m/s2"));
-        }
-        slack.extend::<names::Names>(angular("slack.torso"));
+        let slack = self.layout.tasks().iter().flat_map(|task| task.columns(&format!("slack.{}", task.name)));
+        let momentum = self.layout.task(momentum::NAME).map(|task| task.columns("momentum_rate_goal"));
         let limits = self.layout.limits().iter().map(|limit| (limit.column(model), ""));
         [
             Channel::all(Field::Grf, names::contacts(model, "grf", "N")),
-            Channel::all(Field::MomentumRateGoal, names::momentum(model, "momentum_rate_goal")),
+            Channel::all(Field::MomentumRateGoal, momentum.unwrap_or_default()),
             Channel::all(Field::Acceleration, names::dofs(model, "acceleration", "m/s2", "rad/s2")),
             Channel::all(Field::Slack, slack),
             Channel::all(Field::ActiveLimit, limits),
@@ -353,9 +361,9 @@ impl Controller for MomentumController {
     fn record(&self, record: &mut Record<'_>) {
         let Tick { program, solution, active, braking } = &self.tick;
         record.set(Field::Grf, solution.rho.iter().copied());
-        record.set(Field::MomentumRateGoal, self.planner.goal().momentum_rate.iter().copied());
+        record.set(Field::MomentumRateGoal, self.planner.goal(momentum::NAME).iter().copied());
         record.set(Field::Acceleration, solution.qdd.iter().copied());
-        record.set(Field::Slack, solution.slack.iter());
+        record.set(Field::Slack, solution.slack.iter().copied());
         record.set(Field::ActiveLimit, active.iter().map(|&side| f64::from(side)));
         record.set(Field::Braking, braking.iter().copied());
         let numbers = [u32::from(program.status as u8), program.fallback as u32, program.iterations, program.solves];
@@ -366,7 +374,7 @@ impl Controller for MomentumController {
         // The program's form and tasks, and with them the columns of the log, are those that it was made with.
         let (form, tracking) = (self.settings.form, self.settings.tracking.clone());
         self.settings = ControllerSettings { form, tracking, ..settings.clone() };
-        self.planner = MotionReferencePlanner::new(&settings.planner, &self.model);
+        self.planner = MotionReferencePlanner::new(&self.settings, &self.model);
         self.generator.change(reference);
         self.ground.fill(*terrain.base());
         self.terrain = terrain.clone();

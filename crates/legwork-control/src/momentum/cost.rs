@@ -7,7 +7,6 @@ use nalgebra::DMatrix;
 
 use super::{Inputs, Layout};
 use crate::settings::{QpForm, Tracking};
-use legwork_contract::feet::Footing;
 
 /// Operating cost. Thesis (4.23): accelerations, forces, torques.
 pub fn operating(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
@@ -44,68 +43,25 @@ pub fn operating(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
 
 /// Tracking cost. Thesis (4.28), or (4.24) in the direct form.
 pub fn tracking(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
-    let (dynamics, feet, goal) = (inputs.dynamics, inputs.feet, inputs.goal);
-    let (weights, tasks) = (inputs.weights, inputs.tracking);
-    let soft = |task: Tracking| task == Tracking::Cost || inputs.relaxed.tasks;
-    let slack_form = layout.form == QpForm::Slack;
-    let mut task = |rows: Range<usize>, slack: &Range<usize>, weight: f64, task: &Errors<'_>| {
-        if slack_form {
-            let n = problem.n();
-            for variable in rows.map(|row| slack.start + row) {
-                problem.hessian_mut()[variable * n + variable] += 2.0 * weight;
+    for (task, aim) in layout.tasks().iter().zip(inputs.aims) {
+        let (jacobian, bias) = aim.law.motion(inputs.dynamics, inputs.feet);
+        let errors = Errors { jacobian, goal: &aim.goal, bias: bias.as_slice() };
+        let soft = task.how == Tracking::Cost || inputs.relaxed.tasks;
+        aim.law.weigh(inputs, &aim.goal, &mut |rows, weight| match layout.form {
+            QpForm::Slack => {
+                let n = problem.n();
+                for variable in rows.map(|row| task.variables.start + row) {
+                    problem.hessian_mut()[variable * n + variable] += 2.0 * weight;
+                }
             }
-        } else if soft(task.tracking) {
-            squared_errors(layout, problem, task, rows, weight);
-        }
-    };
-
-    let momentum = Errors {
-        tracking: tasks.momentum,
-        jacobian: &dynamics.momentum_matrix,
-        goal: goal.momentum_rate.as_slice(),
-        bias: dynamics.momentum_bias.as_slice(),
-    };
-    let (angular, all) = (inputs.model.angular_axes().len(), momentum.goal.len());
-    task(0..angular, &layout.s_m, weights.angular_momentum_factor * weights.momentum, &momentum);
-    let vertical = weights.vertical_momentum_factor;
-    // Together where they weigh the same, which is faster.
-    let horizontal = if vertical == 1.0 { angular..all } else { angular..all - 1 };
-    task(horizontal.clone(), &layout.s_m, weights.momentum, &momentum);
-    task(horizontal.end..all, &layout.s_m, vertical * weights.momentum, &momentum);
-
-    let errors = Errors {
-        tracking: tasks.feet,
-        jacobian: &feet.jacobian,
-        goal: goal.foot_acceleration.as_slice(),
-        bias: feet.bias.as_slice(),
-    };
-    for foot in 0..inputs.model.feet.len() {
-        let rows = feet.rows(foot);
-        let (rotation, place) = match inputs.footing.get(foot) {
-            Some(Footing::Swings) => (weights.swing_rotation_factor, weights.swing_feet_factor),
-            Some(Footing::Rolls) => (weights.rolling_rotation_factor, 1.0),
-            Some(Footing::Trails) => (weights.trailing_rotation_factor, 1.0),
-            _ => (1.0, 1.0),
-        };
-        task(rows.angular.clone(), &layout.s_f, rotation * weights.foot_rotation, &errors);
-        task(rows.linear.clone(), &layout.s_f, place * weights.feet, &errors);
+            QpForm::Direct if soft => squared_errors(layout, problem, &errors, rows, weight),
+            QpForm::Direct => {}
+        });
     }
-
-    let torso = Errors {
-        tracking: tasks.torso,
-        jacobian: &dynamics.torso_jacobian,
-        goal: goal.torso_acceleration.as_slice(),
-        bias: dynamics.torso_bias.as_slice(),
-    };
-    // A torso that leans far or turns fast is righted first.
-    let asked = torso.goal.iter().map(|goal| goal * goal).sum::<f64>();
-    let urgency = weights.torso_urgency_s4 * asked;
-    task(0..angular, &layout.s_a, (1.0 + urgency * urgency) * weights.torso, &torso);
 }
 
-/// A task: `goal - bias - jacobian q̈` is what it is missed by.
+/// What a task is missed by: `goal - bias - jacobian q̈`.
 struct Errors<'a> {
-    tracking: Tracking,
     jacobian: &'a DMatrix<f64>,
     goal: &'a [f64],
     bias: &'a [f64],

@@ -5,11 +5,11 @@ use std::ops::Range;
 use legwork_qp::{Constraint, Side};
 use legwork_rbd::Model;
 
-use crate::settings::{QpForm, Tracking, TrackingSettings};
+use crate::settings::{ControllerSettings, QpForm, Tracking};
 use legwork_contract::contact::friction_rows;
-use legwork_contract::feet::FootRows;
 
 use super::limit::{Condition, Limit, LimitKind};
+use super::tasks::{Task, laws};
 
 /// The places of variables and rows in the program. Ranges that a form does not have are empty; in the direct form a
 /// task has rows only where it is an equality.
@@ -23,26 +23,17 @@ pub struct Layout {
     pub rho: Range<usize>,
     /// Torques of the actuated joints (slack form).
     pub tau: Range<usize>,
-    /// Slack of the momentum rate: angular, linear (slack form).
-    pub s_m: Range<usize>,
-    /// Slack of the foot accelerations (slack form).
-    pub s_f: Range<usize>,
-    /// Slack of the torso's angular acceleration (slack form).
-    pub s_a: Range<usize>,
+    /// Slack variables of all tasks (slack form).
+    pub slack: Range<usize>,
     /// Rows of the equation of motion (4.8), a joint each.
     pub dynamics_rows: Range<usize>,
-    /// Rows of the momentum rate (4.17).
-    pub momentum_rows: Range<usize>,
-    /// Rows of the foot accelerations (4.19).
-    pub feet_rows: Range<usize>,
-    /// Rows of the torso's angular acceleration (4.20).
-    pub torso_rows: Range<usize>,
     /// Rows of the complementarity (4.10) (slack form).
     pub complementarity_rows: Range<usize>,
     /// Rows of the friction cones (4.16).
     pub friction_rows: Range<usize>,
     /// Degrees of freedom that are actuated, in order.
     pub actuated: Vec<usize>,
+    tasks: Vec<Task>,
     /// The limits that can be active, in the order of [`Layout::limit`].
     limits: Vec<Limit>,
     /// For each row, then each variable's bounds, its place in `limits`.
@@ -52,14 +43,12 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// The layout of `form` for `model`, with tasks as costs or equalities as in `tracking`.
-    pub fn new(form: QpForm, tracking: &TrackingSettings, model: &Model) -> Self {
+    /// The layout of `form` for `model`, with the tasks that `settings` ask for.
+    pub fn new(form: QpForm, settings: &ControllerSettings, model: &Model) -> Self {
         let (nv, contacts, dimension) = (model.nv(), model.contacts.len(), model.linear_axes().len());
         let actuated: Vec<usize> = model.actuated().collect();
-        let (forces, momenta) = (contacts * dimension, model.angular_axes().len() + dimension);
-        let (feet, torso) = (FootRows::count(model), model.angular_axes().len());
+        let forces = contacts * dimension;
         let slack = |size: usize| if form == QpForm::Slack { size } else { 0 };
-        let task = |size: usize, task: Tracking| if task == Tracking::Equality { size } else { slack(size) };
 
         let mut next = 0;
         let mut take = |size: usize| {
@@ -67,28 +56,36 @@ impl Layout {
             next - size..next
         };
         let (qdd, rho, tau) = (take(nv), take(forces), take(slack(actuated.len())));
-        let (s_m, s_f, s_a) = (take(slack(momenta)), take(slack(feet)), take(slack(torso)));
+        let mut tasks: Vec<Task> = laws(settings).iter().map(|law| Task::new(law.as_ref(), settings, model)).collect();
+        let mut rows = 0;
+        for task in &mut tasks {
+            task.rows = rows..rows + task.rows.len();
+            task.variables = take(slack(task.rows.len()));
+            rows = task.rows.end;
+        }
+        let slack_variables = tau.end..take(0).end;
 
         next = 0;
         let mut take = |size: usize| {
             next += size;
             next - size..next
         };
+        let dynamics_rows = take(nv);
+        for task in &mut tasks {
+            let size = task.rows.len();
+            task.constraints = take(if task.how == Tracking::Equality { size } else { slack(size) });
+        }
         let mut layout = Self {
             form,
             qdd,
             rho,
             tau,
-            s_m,
-            s_f,
-            s_a,
-            dynamics_rows: take(nv),
-            momentum_rows: take(task(momenta, tracking.momentum)),
-            feet_rows: take(task(feet, tracking.feet)),
-            torso_rows: take(task(torso, tracking.torso)),
+            slack: slack_variables,
+            dynamics_rows,
             complementarity_rows: take(slack(forces)),
             friction_rows: take(contacts * friction_rows(model)),
             actuated,
+            tasks,
             limits: Vec::new(),
             limit_of: Vec::new(),
             dimension,
@@ -105,7 +102,7 @@ impl Layout {
 
     /// Number of variables.
     pub fn variables(&self) -> usize {
-        self.rho.end.max(self.s_a.end)
+        self.slack.end
     }
 
     /// Number of rows.
@@ -121,6 +118,16 @@ impl Layout {
     /// Friction rows a contact.
     pub fn friction_rows_per_contact(&self) -> usize {
         self.friction_rows_per_contact
+    }
+
+    /// The tasks, in the order of their rows.
+    pub fn tasks(&self) -> &[Task] {
+        &self.tasks
+    }
+
+    /// The task `name`, if the program has it.
+    pub fn task(&self, name: &str) -> Option<&Task> {
+        self.tasks.iter().find(|task| task.name == name)
     }
 
     /// The limits that can be active: torques, forces, friction, joint accelerations.
@@ -145,27 +152,14 @@ impl Layout {
         if let Some(limit) = self.limit(constraint) {
             return Some(Condition::Limit(self.limits[limit].kind));
         }
-        let (groups, index): (&[_], usize) = match constraint {
-            Constraint::Row(row) => (
-                &[
-                    (&self.momentum_rows, Condition::Task("momentum")),
-                    (&self.feet_rows, Condition::Task("feet")),
-                    (&self.torso_rows, Condition::Task("torso")),
-                    (&self.dynamics_rows, Condition::Motion),
-                    (&self.complementarity_rows, Condition::NoContact),
-                ],
-                row,
-            ),
-            Constraint::Bound(variable) => (
-                &[
-                    (&self.s_m, Condition::Task("momentum")),
-                    (&self.s_f, Condition::Task("feet")),
-                    (&self.s_a, Condition::Task("torso")),
-                ],
-                variable,
-            ),
+        let of_task = |own: &dyn Fn(&Task) -> bool| self.tasks.iter().find(|task| own(task));
+        let task = match constraint {
+            Constraint::Row(row) if self.dynamics_rows.contains(&row) => return Some(Condition::Motion),
+            Constraint::Row(row) if self.complementarity_rows.contains(&row) => return Some(Condition::NoContact),
+            Constraint::Row(row) => of_task(&|task| task.constraints.contains(&row)),
+            Constraint::Bound(variable) => of_task(&|task| task.variables.contains(&variable)),
         };
-        groups.iter().find(|(range, _)| range.contains(&index)).map(|(_, condition)| *condition)
+        task.map(|task| Condition::Task(task.name))
     }
 
     fn all_limits(&self) -> Vec<Limit> {

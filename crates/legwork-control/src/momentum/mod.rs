@@ -19,18 +19,20 @@ pub mod cost;
 pub mod layout;
 pub mod limit;
 mod solution;
+pub mod tasks;
 
 use legwork_qp::Problem;
 use legwork_rbd::{Dynamics, Model};
 
-use crate::planner::MotionGoal;
-use crate::settings::{Limits, TrackingSettings, Weights};
+use crate::settings::{Limits, Weights};
 pub use controller::{Fallback, MomentumController, Part, Tick};
 pub use layout::Layout;
 use legwork_contract::contact::Surface;
 use legwork_contract::feet::{FeetMotion, Footing};
 pub use limit::{Condition, Limit, LimitKind};
-pub use solution::{Slack, Solution, read_solution};
+pub use solution::{Solution, read_solution};
+use tasks::Aim;
+pub use tasks::Task;
 
 /// What the program is built from in one tick.
 #[derive(Clone, Copy, Debug)]
@@ -45,8 +47,8 @@ pub struct Inputs<'a> {
     pub q: &'a [f64],
     /// Joint velocities [rad/s, m/s].
     pub v: &'a [f64],
-    /// The motion reference planner's goals.
-    pub goal: &'a MotionGoal,
+    /// The tasks' laws with the motion reference planner's goals, in the order of [`Layout::tasks`].
+    pub aims: &'a [Aim],
     /// Which contacts may carry force.
     pub stance: &'a [bool],
     /// What the feet do.
@@ -59,8 +61,6 @@ pub struct Inputs<'a> {
     pub weights: &'a Weights,
     /// The bounds.
     pub limits: &'a Limits,
-    /// Cost or equality, a task.
-    pub tracking: &'a TrackingSettings,
     /// Torques of the tick before [Nm]; none in the first.
     pub torque_before: Option<&'a [f64]>,
     /// Time between two ticks [s].

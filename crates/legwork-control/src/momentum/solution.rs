@@ -1,13 +1,11 @@
 //! Reading the solution of either form.
 
-use legwork_rbd::Model;
 use nalgebra::{DMatrix, DVector};
 
 use super::bounds::torque_range;
 use super::constraints::column;
 use super::{Inputs, Layout};
 use crate::settings::QpForm;
-use legwork_contract::feet::FootRows;
 
 /// The optimum in physical terms.
 #[derive(Clone, Debug, Default)]
@@ -18,50 +16,26 @@ pub struct Solution {
     pub rho: Vec<f64>,
     /// Torques of the actuated joints [Nm], within their limits.
     pub tau: Vec<f64>,
-    /// What each task was missed by.
-    pub slack: Slack,
-}
-
-/// What the tasks were missed by, desired minus achieved. Thesis (B.9)
-#[derive(Clone, Debug, Default)]
-pub struct Slack {
-    /// `s_m`: rate of momentum, angular then linear [Nm, N].
-    pub momentum: Vec<f64>,
-    /// `s_f`: accelerations of the feet, in the rows of [`legwork_contract::feet::FeetMotion`] [rad/s², m/s²].
-    pub feet: Vec<f64>,
-    /// `s_a`: angular acceleration of the torso along the angular axes [rad/s²].
-    pub torso: Vec<f64>,
-}
-
-impl Slack {
-    /// All of them, in the order of (B.1).
-    pub fn iter(&self) -> impl Iterator<Item = f64> + '_ {
-        self.momentum.iter().chain(&self.feet).chain(&self.torso).copied()
-    }
+    /// What the tasks were missed by, desired minus achieved, at their [`super::Task::rows`]. Thesis (B.9)
+    pub slack: Vec<f64>,
 }
 
 impl Solution {
-    /// Storage for solutions of `layout` for `model`.
-    pub fn new(layout: &Layout, model: &Model) -> Self {
-        let (angular, linear) = (model.angular_axes().len(), model.linear_axes().len());
-        let feet = FootRows::count(model);
+    /// Storage for solutions of `layout`.
+    pub fn new(layout: &Layout) -> Self {
         Self {
             qdd: vec![0.0; layout.qdd.len()],
             rho: vec![0.0; layout.rho.len()],
             tau: vec![0.0; layout.actuated.len()],
-            slack: Slack { momentum: vec![0.0; angular + linear], feet: vec![0.0; feet], torso: vec![0.0; angular] },
+            slack: vec![0.0; layout.tasks().last().map_or(0, |task| task.rows.end)],
         }
     }
-}
 
-impl Solution {
     /// Keeps the torques and nothing else: there is no optimum.
     pub fn hold_torque(&mut self) {
         self.qdd.fill(0.0);
         self.rho.fill(0.0);
-        self.slack.momentum.fill(0.0);
-        self.slack.feet.fill(0.0);
-        self.slack.torso.fill(0.0);
+        self.slack.fill(0.0);
     }
 }
 
@@ -90,11 +64,10 @@ pub fn read_solution(layout: &Layout, inputs: &Inputs<'_>, x: &[f64], solution: 
         let [lower, upper] = torque_range(inputs, index, dof);
         solution.tau[index] = torque.clamp(lower, upper);
     }
-    let (goal, feet, slack) = (inputs.goal, inputs.feet, &mut solution.slack);
-    let qdd = &solution.qdd;
-    missed(&mut slack.momentum, goal.momentum_rate.as_slice(), &dynamics.momentum_matrix, qdd, &dynamics.momentum_bias);
-    missed(&mut slack.feet, goal.foot_acceleration.as_slice(), &feet.jacobian, qdd, &feet.bias);
-    missed(&mut slack.torso, goal.torso_acceleration.as_slice(), &dynamics.torso_jacobian, qdd, &dynamics.torso_bias);
+    for (task, aim) in layout.tasks().iter().zip(inputs.aims) {
+        let (jacobian, bias) = aim.law.motion(dynamics, inputs.feet);
+        missed(&mut solution.slack[task.rows.clone()], &aim.goal, jacobian, &solution.qdd, bias);
+    }
 }
 
 /// `slack = goal - jacobian q̈ - bias`.

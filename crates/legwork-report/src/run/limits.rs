@@ -2,7 +2,6 @@
 
 use legwork::control::Fallback;
 use legwork::episode::Run;
-use legwork::feet::FootRows;
 use legwork::log::Field;
 use legwork::momentum::{Limit, LimitKind};
 
@@ -88,27 +87,26 @@ fn rows(run: &Run, times: &[f64]) -> Vec<Row> {
     rows
 }
 
-/// The size of each task's slack.
+/// The size of each task's slack: a part for each quantity, with a line for each foot where it is about feet.
 fn slack(run: &Run, times: &[f64]) -> Vec<Part> {
-    let (log, d) = (&run.log, run.model.linear_axes().len());
-    let angular = run.model.angular_axes().len();
-    let norm = |label: &str, class: &str, range: std::ops::Range<usize>| {
-        let values = |index: usize| &log.get(index, Field::Slack)[range.clone()];
-        let size = |index: usize| values(index).iter().map(|value| value * value).sum::<f64>().sqrt();
-        line(label, class, times, (0..log.len()).map(size))
+    let norm = |label: &str, class: &str, rows: std::ops::Range<usize>| {
+        let size = |index: usize| {
+            let values = &run.log.get(index, Field::Slack)[rows.clone()];
+            values.iter().map(|value| value * value).sum::<f64>().sqrt()
+        };
+        line(label, class, times, (0..run.log.len()).map(size))
     };
-    let rows = FootRows::of(&run.model);
-    let feet = run.model.feet.iter().zip(&rows).map(|(name, rows)| {
-        let first = angular + d + rows.linear.start;
-        norm(&foot_name(name), dashed(side(name)), first..first + d)
-    });
-    let feet: Vec<_> = feet.collect();
-    let torso = angular + d + rows.last().map_or(0, |rows| rows.linear.end);
-    let one = |name: &str, unit, range| part(name, unit, 86.0, 1.0, vec![norm("slack", "", range)]);
-    vec![
-        one("momentum rate, linear", "N", angular..angular + d),
-        one("momentum rate, angular", "Nm", 0..angular),
-        part("feet", "m/s\u{b2}", 86.0, 1.0, feet),
-        one("torso", "rad/s\u{b2}", torso..torso + angular),
-    ]
+    let mut parts: Vec<((&str, String), Vec<Layer>)> = Vec::new();
+    for (part, rows) in run.tasks.iter().flat_map(|task| task.parts()) {
+        let line = match part.of.as_str() {
+            "" => norm("slack", "", rows),
+            of => norm(&foot_name(of), dashed(side(of)), rows),
+        };
+        let title = (part.quantity, part.unit.replace("s2", "s\u{b2}"));
+        match parts.iter_mut().find(|(known, _)| *known == title) {
+            Some((_, lines)) => lines.push(line),
+            None => parts.push((title, vec![line])),
+        }
+    }
+    parts.into_iter().map(|((name, unit), lines)| part(name, &unit, 86.0, 1.0, lines)).collect()
 }

@@ -122,7 +122,7 @@ const JUDGES: &[(&str, Judge)] = &[
     }),
     ("slack has more rows", |a| {
         let run = a.run();
-        let layout = |form| Layout::new(form, &run.scenario.controller.tracking, &run.model);
+        let layout = |form| Layout::new(form, &run.scenario.controller, &run.model);
         let (direct, slack) = (layout(QpForm::Direct), layout(QpForm::Slack));
         let size = |layout: &Layout| format!("{} variables and {} rows", layout.variables(), layout.rows());
         let finding = format!("slack form {}, direct form {}", size(&slack), size(&direct));

@@ -77,7 +77,7 @@ pub(super) fn found(evidence: &Evidence, times: &[FormTimes], replays: &[Replay]
     }
     let run = evidence.run(cases().next().expect("there are cases"));
     let size = |(name, form): (&str, QpForm)| {
-        let layout = Layout::new(form, &run.scenario.controller.tracking, &run.model);
+        let layout = Layout::new(form, &run.scenario.controller, &run.model);
         vec![name.into(), (layout.variables() as f64).into(), (layout.rows() as f64).into()]
     };
     let sizes = [("direct", QpForm::Direct), ("slack", QpForm::Slack)].map(size);

@@ -9,7 +9,8 @@ use super::reach::Steps;
 use crate::feet::FootRows;
 use crate::generator::xcom;
 use crate::log::{Field, Log};
-use crate::momentum::{Fallback, Limit, LimitKind};
+use crate::momentum::tasks::{feet, momentum, torso};
+use crate::momentum::{Fallback, Limit, LimitKind, Task};
 use crate::scenario::Scenario;
 use crate::terrain::Terrain;
 
@@ -47,28 +48,23 @@ pub(super) struct Evidence<'a> {
     /// Number of linear axes.
     pub(super) axes: usize,
     feet: Vec<FootRows>,
+    pub(super) tasks: &'a [Task],
     actuated: Vec<usize>,
 }
 
 impl<'a> Evidence<'a> {
-    pub(super) fn new(scenario: &'a Scenario, model: &'a Model, log: &'a Log, limits: &[Limit]) -> Self {
+    pub(super) fn new(
+        scenario: &'a Scenario,
+        model: &'a Model,
+        log: &'a Log,
+        (tasks, limits): (&'a [Task], &[Limit]),
+    ) -> Self {
         let axes = model.linear_axes().len();
         let (ground, believed) = (scenario.terrain(model), scenario.believed_terrain(model));
         let (stretches, saturations) = (stretches(log), saturations(model, limits));
         let (feet, steps) = (FootRows::of(model), Steps::of(scenario, model));
-        Self {
-            scenario,
-            model,
-            log,
-            stretches,
-            saturations,
-            steps,
-            ground,
-            believed,
-            axes,
-            feet,
-            actuated: model.actuated().collect(),
-        }
+        let actuated = model.actuated().collect();
+        Self { scenario, model, log, stretches, saturations, steps, ground, believed, axes, feet, tasks, actuated }
     }
 
     pub(super) fn time(&self, i: usize) -> f64 {
@@ -124,24 +120,28 @@ impl<'a> Evidence<'a> {
         points.filter(|(point, _)| point.foot == foot).any(|(_, &flag)| flag > 0.5)
     }
 
+    /// What a task misses, in its rows; empty where the controller has no such task.
+    fn slack(&self, i: usize, task: &str) -> &[f64] {
+        self.tasks
+            .iter()
+            .find(|known| known.name == task)
+            .map_or(&[], |task| &self.log.get(i, Field::Slack)[task.rows.clone()])
+    }
+
     /// Upward force that the momentum task misses [N].
     pub(super) fn missed_force(&self, i: usize) -> f64 {
-        let momentum = self.model.angular_axes().len() + self.axes;
-        self.log.get(i, Field::Slack)[momentum - 1].max(0.0)
+        self.slack(i, momentum::NAME).last().map_or(0.0, |force| force.max(0.0))
     }
 
     /// Acceleration that the task of a foot misses [m/s²].
     pub(super) fn missed_foot(&self, i: usize, foot: usize) -> f64 {
-        let momentum = self.model.angular_axes().len() + self.axes;
-        let slack = &self.log.get(i, Field::Slack)[momentum..][self.feet[foot].linear.clone()];
+        let slack = self.slack(i, feet::NAME).get(self.feet[foot].linear.clone()).unwrap_or(&[]);
         slack.iter().map(|value| value * value).sum::<f64>().sqrt()
     }
 
     /// Angular acceleration that the torso task misses [rad/s²].
     pub(super) fn missed_torso(&self, i: usize) -> f64 {
-        let slack = self.log.get(i, Field::Slack);
-        let torso = &slack[slack.len() - self.model.angular_axes().len()..];
-        torso.iter().map(|value| value * value).sum::<f64>().sqrt()
+        self.slack(i, torso::NAME).iter().map(|value| value * value).sum::<f64>().sqrt()
     }
 
     pub(super) fn fallback(&self, i: usize) -> f64 {

@@ -9,6 +9,7 @@ use std::ops::Range;
 use super::evidence::Evidence;
 use super::reach::Steps;
 use super::{Event, What};
+use crate::momentum::tasks::{feet, momentum, torso};
 
 // What is out of order. The built-in scenarios, which stand, reach 0.05 m, 15 deg and 0.06 m on point feet; with soles 0.1 m, and
 // 29 deg after a push and uphill, from which they come back.
@@ -48,9 +49,9 @@ impl Failure {
     /// The task that should keep the figure in order.
     pub(super) fn task(&self) -> Option<&'static str> {
         match self.kind {
-            Kind::Sinking => Some("momentum"),
-            Kind::Leaning => Some("torso"),
-            Kind::Astray(_) => Some("feet"),
+            Kind::Sinking => Some(momentum::NAME),
+            Kind::Leaning => Some(torso::NAME),
+            Kind::Astray(_) => Some(feet::NAME),
             Kind::OutOfReach | Kind::Sudden => None,
         }
     }
@@ -182,7 +183,7 @@ mod tests {
         for name in ["stand", "walk", "walk-support", "walk-slope", "push", "push-support", "waypoints"] {
             let run = run(name, &["duration_s=3"]);
             assert_eq!(run.outcome, Outcome::Completed);
-            let evidence = Evidence::new(&run.scenario, &run.model, &run.log, &run.limits);
+            let evidence = Evidence::new(&run.scenario, &run.model, &run.log, (&run.tasks, &run.limits));
             let most = |figure: &dyn Fn(usize) -> f64| (0..run.log.len()).map(figure).fold(0.0, f64::max);
             let sunk = most(&|i| evidence.sunk(i));
             let lean = most(&|i| evidence.lean(i).abs());
@@ -203,7 +204,7 @@ mod tests {
         for name in ["feet-walk", "feet-slope", "stop-and-go", "stand-push", "walk-uneven", "push-walking"] {
             let run = run(name, &[]);
             assert_eq!(run.outcome, Outcome::Completed);
-            let evidence = Evidence::new(&run.scenario, &run.model, &run.log, &run.limits);
+            let evidence = Evidence::new(&run.scenario, &run.model, &run.log, (&run.tasks, &run.limits));
             let most = |figure: &dyn Fn(usize) -> f64| (0..run.log.len()).map(figure).fold(f64::NEG_INFINITY, f64::max);
             let sunk = most(&|i| evidence.sunk(i));
             let lean = most(&|i| evidence.lean(i).abs());
@@ -223,7 +224,7 @@ mod tests {
         for (force, start) in [(550, 5.0), (550, 5.15), (550, 5.4), (600, 5.0), (650, 5.15), (650, 5.3), (650, 5.4)] {
             let [force, start] = [format!("pushes.0.force_n={force}"), format!("pushes.0.start_s={start}")];
             let run = run("push-walking", &[&force, &start, "duration_s=7.5"]);
-            let evidence = Evidence::new(&run.scenario, &run.model, &run.log, &run.limits);
+            let evidence = Evidence::new(&run.scenario, &run.model, &run.log, (&run.tasks, &run.limits));
             let out = (0..run.log.len()).filter(|&i| evidence.out_of_reach(i) > 0.0).count() as f64 * 1e-3;
             let fell = run.outcome != Outcome::Completed;
             assert!(if fell { out > 0.3 } else { out < 0.06 }, "{force} {start}: {out} s, {:?}", run.reason);
@@ -235,7 +236,7 @@ mod tests {
     #[test]
     fn the_reach_is_that_of_longest_steps_on_the_pendulum() {
         let run = run("stand", &["duration_s=0.01"]);
-        let evidence = Evidence::new(&run.scenario, &run.model, &run.log, &run.limits);
+        let evidence = Evidence::new(&run.scenario, &run.model, &run.log, (&run.tasks, &run.limits));
         let step = &run.scenario.reference.step;
         let (past, apart) = evidence.past_front(step, 0);
         let bound = past - evidence.out_of_reach(0);

@@ -13,7 +13,7 @@ use super::reach::Steps;
 use super::{Cause, Diagnosis, Event, Fall, FirstCause, What, words};
 use crate::log::Log;
 use crate::momentum::Fallback;
-use crate::momentum::Limit;
+use crate::momentum::{Limit, Task};
 use crate::scenario::{ContactModel, Push, Scenario};
 
 /// What slid or saturated first is looked for from this long before the window on [s]: about a step earlier.
@@ -45,13 +45,13 @@ const BOUNCED: f64 = 0.1;
 /// Without a limit to blame, a task was given up if it was missed by this many times as much as in the time before.
 const GIVEN_UP: f64 = 2.0;
 
-/// Why the robot of `scenario` fell; `log` is that of the whole run, `limits` those of its controller.
-pub fn diagnose(scenario: &Scenario, model: &Model, fall: &Fall, log: &Log, limits: &[Limit]) -> Diagnosis {
+/// Why the robot of `scenario` fell; `log` is that of the whole run, with the tasks and the limits of its controller.
+pub fn diagnose(scenario: &Scenario, model: &Model, fall: &Fall, log: &Log, told: (&[Task], &[Limit])) -> Diagnosis {
     let the_fall = Event { time: fall.time, what: What::Fell };
     if log.is_empty() {
         return Diagnosis { cause: FirstCause::Unexplained, events: vec![the_fall], sentence: super::sentence(fall) };
     }
-    let evidence = Evidence::new(scenario, model, log, limits);
+    let evidence = Evidence::new(scenario, model, log, told);
     let failures = failures(&evidence);
     let first = &failures[0];
     let (cause, because) = first_cause(&evidence, first, fall)

@@ -130,10 +130,8 @@ fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -
             )
         }
         What::TasksYielded { ticks, of } => {
-            let tracking = &scenario.controller.tracking;
-            let tasks = [("momentum", tracking.momentum), ("feet", tracking.feet), ("torso", tracking.torso)];
-            let hard: Vec<&str> =
-                tasks.iter().filter(|(_, task)| *task == Tracking::Equality).map(|(name, _)| *name).collect();
+            let tasks = evidence.tasks.iter();
+            let hard: Vec<&str> = tasks.filter(|task| task.how == Tracking::Equality).map(|task| task.name).collect();
             let what = if hard.is_empty() {
                 "the program".into()
             } else {
