@@ -6,10 +6,12 @@
 
 pub mod controller;
 pub mod generator;
+pub mod hold;
 pub mod momentum;
 pub mod planner;
 pub mod settings;
 
 pub use controller::{Controller, Program};
 pub use generator::Generator;
+pub use hold::HoldController;
 pub use momentum::{Fallback, MomentumController};

@@ -9,7 +9,7 @@ use legwork_rbd::{Dynamics, Model};
 use crate::balance::{Measures, Meter, Moment};
 use crate::channel::{Columns, Field, Record};
 use crate::contract::Sensed;
-use crate::control::controller::Controller;
+use crate::control::{Controller, HoldController};
 use crate::diagnosis::{self, Diagnosis, Fall};
 use crate::error::Error;
 use crate::feet::FeetMotion;
@@ -18,7 +18,8 @@ use crate::log::Log;
 use crate::metrics::{self, Metrics};
 use crate::momentum::{Condition, Fallback, Limit, Task};
 use crate::record;
-use crate::scenario::Scenario;
+use crate::scenario::{ControllerKind, Scenario};
+use crate::settings;
 use crate::sim::audit::Audit;
 use crate::sim::sensors::Sensors;
 use crate::sim::{Health, Plant, model_error};
@@ -188,7 +189,8 @@ impl Episode {
     /// # Errors
     /// Those of [`Episode::new`]; a physics whose state is none of the robot's, or two channels of one name.
     pub fn with(scenario: &Scenario, model: &Model, parts: Parts) -> Result<Self, Error> {
-        if parts.controller.is_none() && parts.generator.is_none() {
+        let momentum = parts.controller.is_none() && scenario.controller.kind == ControllerKind::Momentum;
+        if momentum && parts.generator.is_none() {
             check_model(model, scenario.reference.generator)?;
         }
         let (known, error) = (model, scenario.simulation.model_error);
@@ -206,6 +208,9 @@ impl Episode {
         let controller = match (parts.controller, parts.generator) {
             (Some(controller), _) => controller,
             (None, Some(generator)) => Box::new(scenario.momentum_controller_after(known, generator)),
+            (None, None) if scenario.controller.kind == ControllerKind::Hold => {
+                Box::new(HoldController::new(&scenario.controller.hold, known, &truth)?)
+            }
             (None, None) => Box::new(scenario.momentum_controller(known, &parts.samples, &truth)?),
         };
         let meter = Meter::new(scenario, &model);
@@ -511,7 +516,7 @@ pub fn run_with(
     episode.finish(wall_s)
 }
 
-/// Hash of everything that a run depends on: of what is in the files that a scenario names, not of where they lie.
+/// Hash of everything that a run depends on, the settings that are in use among it: of what is in the files that a scenario names, not of where they lie.
 pub fn input_hash(scenario: &Scenario, model: &Model, samples: &[[f64; 3]]) -> u128 {
     let mut scenario = scenario.clone();
     for name in [&mut scenario.name, &mut scenario.description, &mut scenario.model] {
@@ -520,7 +525,7 @@ pub fn input_hash(scenario: &Scenario, model: &Model, samples: &[[f64; 3]]) -> u
     scenario.reference.com.file.clear();
     let mut hasher = xxhash_rust::xxh3::Xxh3::new();
     hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
-    hasher.update(toml::to_string(&scenario).expect("a scenario is plain data").as_bytes());
+    hasher.update(settings::in_use(&scenario).to_string().as_bytes());
     hasher.update(model.to_toml().as_bytes());
     for value in samples.as_flattened() {
         hasher.update(&value.to_bits().to_le_bytes());

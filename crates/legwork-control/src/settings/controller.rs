@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ControllerSettings {
+    /// Which controller.
+    pub kind: ControllerKind,
     /// Time between two ticks [s].
     pub period_s: f64,
     /// Which form of the program is solved.
@@ -22,6 +24,28 @@ pub struct ControllerSettings {
     pub tracking: TrackingSettings,
     /// The bounds.
     pub limits: Limits,
+    /// The controller `hold`.
+    pub hold: HoldSettings,
+}
+
+/// Which controller drives the robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ControllerKind {
+    /// The quadratic program over momentum rate, feet and torso, after a reference generator (thesis 4.3, 4.4).
+    Momentum,
+    /// A spring and a damper at each joint, which hold the start pose.
+    Hold,
+}
+
+/// The joint-space hold.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HoldSettings {
+    /// Joint angle error to torque [Nm/rad].
+    pub stiffness_nmprad: f64,
+    /// Joint velocity to torque [Nms/rad].
+    pub damping_nmsprad: f64,
 }
 
 /// The motion reference planner's gains (4.3)-(4.6).
@@ -173,6 +197,7 @@ impl ControllerSettings {
 impl Default for ControllerSettings {
     fn default() -> Self {
         Self {
+            kind: ControllerKind::Momentum,
             period_s: 0.001,
             form: QpForm::Direct,
             assumed_friction: 0.85,
@@ -213,6 +238,7 @@ impl Default for ControllerSettings {
                 joint_limits: JointLimits::BrakingDistance,
                 approach_rate_1ps: 30.0,
             },
+            hold: HoldSettings { stiffness_nmprad: 2000.0, damping_nmsprad: 100.0 },
         }
     }
 }

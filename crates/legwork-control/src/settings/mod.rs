@@ -4,7 +4,8 @@ mod controller;
 mod reference;
 
 pub use controller::{
-    ControllerSettings, Damping, JointLimits, Limits, PlannerSettings, QpForm, Tracking, TrackingSettings, Weights,
+    ControllerKind, ControllerSettings, Damping, HoldSettings, JointLimits, Limits, PlannerSettings, QpForm, Tracking,
+    TrackingSettings, Weights,
 };
 pub use reference::{
     Adaptation, ComSettings, CommandedSpeed, GeneratorKind, LeastStep, Lift, ReferenceSettings, Replan, StanceSettings,

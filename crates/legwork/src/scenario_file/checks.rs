@@ -5,7 +5,7 @@ use toml::Value;
 use super::draft::Draft;
 use crate::error::Error;
 use crate::scenario::{GeneratorKind, Scenario, TrajectoryKind};
-use crate::settings::{SETTINGS, Setting, at};
+use crate::settings::{self, SETTINGS, Setting, at};
 
 /// A log of more ticks would not fit into memory.
 const MOST_TICKS: f64 = 4e6;
@@ -21,6 +21,11 @@ impl Draft {
                 }
             } else {
                 self.check_value(setting, setting.path)?;
+            }
+        }
+        for (path, place) in self.places.of_sets() {
+            if let Some(why) = settings::idle(&mut self.tree, path) {
+                return Err(Error::invalid(place, why));
             }
         }
         let scenario = std::mem::replace(&mut self.tree, Value::Boolean(false))

@@ -60,6 +60,12 @@ impl Places {
         self.0.iter().rev().find(set).map(|(_, place)| place.as_str())
     }
 
+    /// Path and place of what the command line set.
+    pub(super) fn of_sets(&self) -> impl Iterator<Item = (&str, &str)> {
+        let all = self.0.iter().map(|(path, place)| (path.as_str(), place.as_str()));
+        all.filter(|(_, place)| place.starts_with("--set "))
+    }
+
     fn push(&mut self, path: &str, place: &str) {
         self.0.push((path.to_owned(), place.to_owned()));
     }

@@ -7,28 +7,31 @@ use toml::Value;
 use crate::scenario::Scenario;
 use crate::settings::{self, SETTINGS, Setting, at};
 
-/// The scenario as TOML with every value, each with a comment: meaning, symbol, range, unit, default and its source.
+/// The scenario as TOML with every value that is in use, each with a comment: meaning, symbol, range, unit, default and its source.
 ///
-/// What [`super::parse`] reads from it equals `scenario`, if its values are valid.
+/// What [`super::parse`] reads from it runs as `scenario` does, if its values are valid.
 ///
 /// # Panics
 /// If the seed is above `i64::MAX`.
 pub fn to_toml(scenario: &Scenario) -> String {
     let mut tree = settings::tree(scenario);
     let mut text = String::new();
-    for settings in SETTINGS.chunk_by(|a, b| a.table() == b.table()) {
-        match settings[0].table() {
+    for group in SETTINGS.chunk_by(|a, b| a.table() == b.table()) {
+        match group[0].table() {
             "pushes.N" => {
                 for index in 0..scenario.pushes.len() {
                     text += "\n[[pushes]]\n";
-                    write_values(settings, &index.to_string(), &mut tree, &mut text);
+                    write_values(group, &index.to_string(), &mut tree, &mut text);
                 }
             }
             table => {
+                if group.iter().all(|setting| settings::idle(&mut tree, setting.path).is_some()) {
+                    continue;
+                }
                 if !table.is_empty() {
                     let _ = writeln!(text, "\n[{table}]");
                 }
-                write_values(settings, "", &mut tree, &mut text);
+                write_values(group, "", &mut tree, &mut text);
             }
         }
     }
@@ -36,9 +39,12 @@ pub fn to_toml(scenario: &Scenario) -> String {
 }
 
 /// The values of a table; `index` stands for the N in their paths.
-fn write_values(settings: &[Setting], index: &str, tree: &mut Value, text: &mut String) {
-    for setting in settings {
+fn write_values(group: &[Setting], index: &str, tree: &mut Value, text: &mut String) {
+    for setting in group {
         let path = setting.path.replace('N', index);
+        if settings::idle(tree, &path).is_some() {
+            continue;
+        }
         let value = at(tree, &path).expect("the table of settings matches the scenario");
         let _ = writeln!(text, "# {}\n{} = {value}", comment(setting), setting.key());
     }

@@ -83,6 +83,48 @@ const FIXED: [(&str, &[&str]); 8] = [
     ),
 ];
 
+/// Settings, and tables of settings, that mean something only where another setting has one of these values.
+const USED_WITH: [(&str, &str, &[&str]); 10] = [
+    ("reference", "controller.kind", &["momentum"]),
+    ("reference.com", "reference.generator", &["steps", "stance"]),
+    ("reference.step", "reference.generator", &["steps"]),
+    ("reference.stance", "reference.generator", &["stance"]),
+    ("reference.walker", "reference.generator", &["walker"]),
+    ("controller.form", "controller.kind", &["momentum"]),
+    ("controller.weights", "controller.kind", &["momentum"]),
+    ("controller.tracking", "controller.kind", &["momentum"]),
+    ("controller.limits", "controller.kind", &["momentum"]),
+    ("controller.hold", "controller.kind", &["hold"]),
+];
+
+/// Whether a setting or table `outer` is `path` or holds it.
+fn holds(outer: &str, path: &str) -> bool {
+    path.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+}
+
+/// Why the setting at `path` has no effect in the scenario `tree`; none where it has.
+pub(crate) fn idle(tree: &mut Value, path: &str) -> Option<String> {
+    USED_WITH.iter().filter(|(outer, ..)| holds(outer, path)).find_map(|(_, with, values)| {
+        let found = at(tree, with).and_then(|value| value.as_str().map(str::to_owned)).unwrap_or_default();
+        let quoted: Vec<String> = values.iter().map(|value| format!("\"{value}\"")).collect();
+        (!values.contains(&found.as_str()))
+            .then(|| format!("has no effect with {with} = \"{found}\"; it is there with {}", quoted.join(" or ")))
+    })
+}
+
+/// The settings of `scenario` that are in use, as a tree: what identifies it.
+pub(crate) fn in_use(scenario: &Scenario) -> Value {
+    let mut tree = tree(scenario);
+    let unused: Vec<&str> =
+        USED_WITH.map(|(outer, ..)| outer).into_iter().filter(|outer| idle(&mut tree, outer).is_some()).collect();
+    for outer in unused {
+        let (table, key) = outer.rsplit_once('.').unwrap_or(("", outer));
+        let table = if table.is_empty() { Some(&mut tree) } else { at(&mut tree, table) };
+        table.and_then(Value::as_table_mut).map(|table| table.remove(key));
+    }
+    tree
+}
+
 impl Setting {
     /// The setting at a path with or without numbers: `pushes.0.force_n`, `pushes.N.force_n`.
     pub fn find(path: &str) -> Option<&'static Self> {
@@ -103,9 +145,7 @@ impl Setting {
 
     /// Why the setting may not change while a run goes on; none where it may.
     pub fn fixed(&self) -> Option<&'static str> {
-        let holds =
-            |outer: &&str| self.path.strip_prefix(*outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
-        FIXED.iter().find(|(_, paths)| paths.iter().any(|path| holds(&path))).map(|(why, _)| *why)
+        FIXED.iter().find(|(_, paths)| paths.iter().any(|outer| holds(outer, self.path))).map(|(why, _)| *why)
     }
 
     /// The table that it stands in, as `controller.weights`; nothing at the top.

@@ -387,6 +387,12 @@ pub const SETTINGS: &[Setting] = &[
         "How fast it gets faster where it does not find the ground in time.",
     ),
     //
+    choice(
+        "controller.kind",
+        &["momentum", "hold"],
+        OURS,
+        "Which controller drives the robot: the quadratic program, or a spring and a damper at each joint that hold the start pose.",
+    ),
     number("controller.period_s", "s", PERIOD, OURS, "Time between two ticks; a whole multiple of the physics period."),
     choice("controller.form", &["direct", "slack"], OURS, "Form of the quadratic program; both have one optimum."),
     number(
@@ -530,6 +536,21 @@ pub const SETTINGS: &[Setting] = &[
         [1.0, 1e3],
         OURS,
         "Rate of \"approach\": a joint comes to its limit no faster than critically damped with it.",
+    ),
+    //
+    number(
+        "controller.hold.stiffness_nmprad",
+        "Nm/rad",
+        [0.0, 1e6],
+        OURS,
+        "Torque of the controller \"hold\" for a joint angle off its start.",
+    ),
+    number(
+        "controller.hold.damping_nmsprad",
+        "Nms/rad",
+        [0.0, 1e5],
+        OURS,
+        "Torque of the controller \"hold\" against a joint's velocity.",
     ),
     //
     number("simulation.period_s", "s", PERIOD, OURS, "Time step of the physics."),
