@@ -7,6 +7,7 @@ pub mod audit;
 pub mod batch;
 mod contact_law;
 pub mod contact_solver;
+mod elastic;
 pub mod model_error;
 pub mod push;
 pub mod sensors;
@@ -26,6 +27,7 @@ use crate::terrain::Terrain;
 use actuators::Actuators;
 use audit::Audit;
 use contact_solver::Report;
+use elastic::Elastic;
 use push::Pushes;
 use velocity::VelocityStep;
 
@@ -51,6 +53,7 @@ struct Body {
     actuated: Vec<usize>,
     ground: Terrain,
     pushes: Pushes,
+    elastic: Elastic,
     actuators: Actuators,
     step: u64,
     q: Vec<f64>,
@@ -73,7 +76,7 @@ impl Simulator {
     /// A robot at rest in `q` [rad, m] on the ground of `scenario`.
     ///
     /// # Errors
-    /// A push that names an unknown body.
+    /// A push that names an unknown body; a spring or stop at a joint that is too stiff for the time step.
     pub fn new(scenario: &Scenario, model: &Model, q: &[f64]) -> Result<Self, Error> {
         Self::shared(scenario, Arc::new(model.clone()), q)
     }
@@ -88,7 +91,7 @@ impl Simulator {
         let actuated: Vec<usize> = model.actuated().collect();
         let state = Dynamics::new(&model);
         let ground = Terrain::of(scenario, &model);
-        let velocity = if model.is_planar() {
+        let mut velocity = if model.is_planar() {
             Velocity::Planar(VelocityStep::new(&model, &state, &ground))
         } else {
             Velocity::Spatial(VelocityStep::new(&model, &state, &ground))
@@ -96,6 +99,7 @@ impl Simulator {
         let mut body = Body {
             ground,
             pushes: Pushes::new(&scenario.pushes, &model)?,
+            elastic: Elastic::new(&model),
             actuators: Actuators::new(&settings.actuators, &model, settings.period_s),
             step: 0,
             q: q.to_vec(),
@@ -116,6 +120,10 @@ impl Simulator {
         };
         body.state.update(&body.model, &body.q, &body.v);
         body.audit.begin(&body.state, body.model.total_mass());
+        match &mut velocity {
+            Velocity::Planar(velocity) => body.check_springs(velocity)?,
+            Velocity::Spatial(velocity) => body.check_springs(velocity)?,
+        }
         Ok(Self { body, velocity })
     }
 
@@ -187,6 +195,13 @@ impl Body {
         (self.step as f64 * self.settings.period_s * 1e9).round() / 1e9
     }
 
+    fn check_springs<const D: usize, const K: usize>(&self, velocity: &mut VelocityStep<D, K>) -> Result<(), Error> {
+        if self.elastic.is_empty() || !velocity.factor(&self.state) {
+            return Ok(());
+        }
+        self.elastic.check(&self.model, self.settings.period_s, velocity)
+    }
+
     fn step<const D: usize, const K: usize>(&mut self, velocity: &mut VelocityStep<D, K>, wanted: &[f64]) -> bool {
         let time = self.time();
         let Self { settings, model, ground, state, midpoint, .. } = self;
@@ -206,11 +221,15 @@ impl Body {
         if !velocity.prepare(settings, ground, dynamics, rest) {
             return false;
         }
+        if !self.elastic.is_empty() {
+            let q = if is_midpoint { &self.next_q } else { &self.q };
+            self.audit.springs(self.elastic.share(model, q, dt, velocity));
+        }
         self.push_force.fill(0.0);
         let push = self.pushes.add(dynamics, time, dt, &mut self.push_force);
         self.damping.copy_from_slice(dynamics.damping.as_slice());
         for j in 0..self.v.len() {
-            self.force[j] = self.push_force[j] - dynamics.bias[j] - dynamics.damping[j];
+            self.force[j] = self.push_force[j] - dynamics.bias[j] - dynamics.damping[j] - dynamics.elastic[j];
         }
         for (&dof, torque) in self.actuated.iter().zip(&self.applied) {
             self.force[dof] += torque;
