@@ -3,10 +3,10 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::base::Base;
+use crate::check::oddities;
 use crate::error::ModelError;
 use crate::joints::Joint;
 use crate::model::{Dof, Model};
-use crate::oddities::oddities;
 use crate::spatial::Placement;
 
 /// What a file says, in SI units, before any check across entries.

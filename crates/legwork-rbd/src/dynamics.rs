@@ -193,10 +193,8 @@ impl Dynamics {
     /// `out` (nv). Of the latest position.
     pub fn add_point_force(&self, body: usize, world_point: &Vector3<f64>, force: &Vector3<f64>, out: &mut [f64]) {
         let at = world_point - self.reference;
-        let mut j = self.last_dof[body];
-        while j != NONE {
+        for j in self.carriers(body) {
             out[j] += self.subspace[j].linear_at(&at).dot(force);
-            j = self.parent_dof[j];
         }
     }
 

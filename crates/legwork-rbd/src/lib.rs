@@ -62,7 +62,6 @@ mod kinematics;
 mod mass_matrix;
 mod model;
 mod model_file;
-mod oddities;
 mod read;
 mod read_toml;
 mod spatial;

@@ -17,23 +17,14 @@ pub(crate) struct ModelFile {
     pub(crate) base: Base,
     pub(crate) gravity_mps2: Option<f64>,
     pub(crate) torso: Option<String>,
-    pub(crate) base_pitch: Option<PitchLimits>,
+    /// Limits of the root link's angle in the plane.
+    pub(crate) base_pitch: Option<Table>,
     pub(crate) feet: Option<Vec<String>>,
     pub(crate) bodies: Vec<Spanned<BodyEntry>>,
     #[serde(default)]
     pub(crate) contacts: Vec<Spanned<ContactEntry>>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) frames: Vec<Spanned<FrameEntry>>,
-}
-
-/// Limits of the root link's angle in the plane.
-#[derive(Clone, Copy, Default, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct PitchLimits {
-    pub(crate) lower_deg: Option<f64>,
-    pub(crate) upper_deg: Option<f64>,
-    pub(crate) lower_rad: Option<f64>,
-    pub(crate) upper_rad: Option<f64>,
 }
 
 #[derive(Deserialize, Serialize)]

@@ -1,14 +1,14 @@
 //! From the entries of a TOML model to SI units, each number checked alone.
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 use toml::Spanned;
 
 use crate::base::Base;
 use crate::description::{BodyDescription, ContactDescription, Description, FrameDescription, JointDescription};
 use crate::error::ModelError;
-use crate::joints::{Fixed, Form, Joint, Kind};
+use crate::joints::{Fixed, Form, Joint, Key, Kind, Revolute};
 use crate::model::{Dof, Model};
-use crate::model_file::{BodyEntry, ContactEntry, FrameEntry, GRAVITY, InertiaEntry, ModelFile, PitchLimits};
+use crate::model_file::{BodyEntry, ContactEntry, FrameEntry, GRAVITY, InertiaEntry, ModelFile};
 use crate::read::{Source, unit_axis};
 use crate::spatial::{Placement, rotation_from_rpy};
 use crate::table::Table;
@@ -44,22 +44,16 @@ pub(crate) fn read_toml(text: &str, file_name: &str, base: Option<Base>) -> Resu
     .build()
 }
 
-/// Limits of the root link's angle [rad]. Under another base than a planar one they are without effect, so that a file can
-/// be loaded with its base overridden.
-pub(crate) fn pitch_limits(limits: Option<PitchLimits>, base: Base, source: &Source) -> Result<(f64, f64), ModelError> {
-    let subject = "base_pitch";
-    let limits = limits.unwrap_or_default();
-    if base != Base::Planar {
-        return Ok((f64::NEG_INFINITY, f64::INFINITY));
+/// Limits of the root link's angle. Under another base than a planar one they are without effect, so that a file can be
+/// loaded with its base overridden.
+pub(crate) fn pitch_limits(limits: Option<Table>, base: Base, source: &Source) -> Result<(f64, f64), ModelError> {
+    let joint = Joint::Revolute(Revolute { axis: Vector3::y_axis() });
+    let mut pitch = JointDescription::new("base_pitch".to_owned(), joint, Placement::identity());
+    if let Some(mut table) = limits.filter(|_| base == Base::Planar) {
+        numbers(&mut table, joint.kind(), Revolute::LIMITS, &mut pitch.dof, source, None, &pitch.name)?;
+        pitch.check_numbers().map_err(|problem| source.invalid(None, &pitch.name, problem))?;
     }
-    let angle = |deg, rad, key| angle(source, None, subject, deg, rad, key);
-    let lower = angle(limits.lower_deg, limits.lower_rad, "lower")?.unwrap_or(f64::NEG_INFINITY);
-    let upper = angle(limits.upper_deg, limits.upper_rad, "upper")?.unwrap_or(f64::INFINITY);
-    if lower > upper {
-        let problem = format!("limits are crossed: lower {lower} is above upper {upper} rad");
-        return Err(source.invalid(None, subject, problem));
-    }
-    Ok((lower, upper))
+    Ok((pitch.dof.lower, pitch.dof.upper))
 }
 
 pub(crate) fn contacts(
@@ -90,25 +84,6 @@ pub(crate) fn frames(entries: &[Spanned<FrameEntry>], source: &Source) -> Result
         Ok(FrameDescription { name: frame.name.clone(), body: frame.body.clone(), placement, line })
     };
     entries.iter().map(describe).collect()
-}
-
-/// An angle that may be given in degrees or in radians [rad].
-fn angle(
-    source: &Source,
-    line: Option<usize>,
-    subject: &str,
-    deg: Option<f64>,
-    rad: Option<f64>,
-    key: &str,
-) -> Result<Option<f64>, ModelError> {
-    match (deg, rad) {
-        (Some(_), Some(_)) => {
-            Err(source.invalid(line, subject, format!("{key}_deg and {key}_rad are both given; give one")))
-        }
-        (Some(deg), None) => Ok(Some(source.finite(line, subject, &format!("{key}_deg"), deg)?.to_radians())),
-        (None, Some(rad)) => Ok(Some(source.finite(line, subject, &format!("{key}_rad"), rad)?)),
-        (None, None) => Ok(None),
-    }
 }
 
 impl BodyEntry {
@@ -184,21 +159,22 @@ fn joint(table: &Spanned<Table>, source: &Source) -> Result<JointDescription, Mo
     let actuated = table.take(source, "actuated")?.unwrap_or(true);
     joint.dof.actuated = actuated && joint.kind.nv() > 0;
     joint.line = line;
-    numbers(&mut table, kind, &mut joint.dof, source, line, &subject)?;
+    numbers(&mut table, kind, kind.keys, &mut joint.dof, source, line, &subject)?;
     Ok(joint)
 }
 
-/// The numbers of a joint's coordinate, which is all that is left of its table.
+/// The numbers under `keys` of a joint's coordinate, which is all that is left of its table.
 pub(crate) fn numbers(
     table: &mut Table,
     kind: &Kind,
+    keys: &[Key],
     dof: &mut Dof,
     source: &Source,
     line: Option<usize>,
     subject: &str,
 ) -> Result<(), ModelError> {
     let given = |table: &Table, name: &str| table.keys(source).any(|(key, _)| key == name);
-    for key in kind.keys {
+    for key in keys {
         if let Some(stem) = key.name.strip_suffix("_deg").filter(|_| given(table, key.name))
             && given(table, &format!("{stem}_rad"))
         {
@@ -212,12 +188,11 @@ pub(crate) fn numbers(
     }
     // A limit of an angle on a sliding joint and the like would silently be without effect.
     let Some((foreign, at)) = table.keys(source).next() else { return Ok(()) };
-    let names = |kinds: &[Kind]| kinds.iter().flat_map(|kind| kind.keys).map(|key| key.name).collect::<Vec<_>>();
-    let valid = match kind.keys {
+    let valid: Vec<_> = match keys {
         [] => vec!["origin_m", "origin_rpy_deg"],
-        _ => names(std::slice::from_ref(kind)),
+        _ => keys.iter().map(|key| key.name).collect(),
     };
-    if names(Kind::ALL).contains(&foreign) {
+    if Kind::ALL.iter().flat_map(|kind| kind.keys).any(|key| key.name == foreign) {
         let problem = format!("{foreign} has no meaning for a {} joint; valid are {}", kind.name, valid.join(", "));
         return Err(source.invalid(line, subject, problem));
     }

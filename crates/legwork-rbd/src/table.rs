@@ -16,6 +16,10 @@ impl Table {
         self.0.push((Spanned::new(0..0, key.to_owned()), value.into()));
     }
 
+    pub(crate) fn append(&mut self, other: Table) {
+        self.0.extend(other.0);
+    }
+
     /// Takes the value of `key` out, where it is given.
     pub(crate) fn take<T: DeserializeOwned>(&mut self, source: &Source, key: &str) -> Result<Option<T>, ModelError> {
         let Some(index) = self.0.iter().position(|(other, _)| other.get_ref() == key) else { return Ok(None) };

@@ -12,7 +12,7 @@ use crate::description::{BodyDescription, Description, JointDescription};
 use crate::error::ModelError;
 use crate::joints::{Fixed, Joint, Kind};
 use crate::model::Model;
-use crate::model_file::{ContactEntry, FrameEntry, GRAVITY, PitchLimits};
+use crate::model_file::{ContactEntry, FrameEntry, GRAVITY};
 use crate::read::{Source, unit_axis};
 use crate::read_toml::{contacts, frames, numbers, pitch_limits};
 use crate::spatial::{Placement, rotation_from_rpy};
@@ -26,7 +26,7 @@ struct SideFile {
     base: Option<Base>,
     torso: Option<String>,
     gravity_mps2: Option<f64>,
-    base_pitch: Option<PitchLimits>,
+    base_pitch: Option<Table>,
     feet: Option<Vec<String>>,
     actuated: Option<Vec<String>>,
     passive: Option<Vec<String>>,
@@ -268,7 +268,8 @@ fn set_numbers(
         let (line, subject) = (source.line(table.span().start), format!("joint {name:?}"));
         let joint = moving_joint(bodies, name).map_err(|problem| source.invalid(line, "joints", problem))?;
         let mut table = table.get_ref().clone();
-        numbers(&mut table, joint.kind.kind(), &mut joint.dof, source, line, &subject)?;
+        let kind = joint.kind.kind();
+        numbers(&mut table, kind, kind.keys, &mut joint.dof, source, line, &subject)?;
         joint.check_numbers().map_err(|problem| source.invalid(line, subject, problem))?;
     }
     Ok(())

@@ -5,9 +5,9 @@ use toml::Spanned;
 
 use crate::base::Base;
 use crate::frame::Frame;
-use crate::joints::Form;
-use crate::model::{Body, Model};
-use crate::model_file::{BodyEntry, ContactEntry, FrameEntry, FullInertia, InertiaEntry, ModelFile, PitchLimits};
+use crate::joints::{Form, Key, Revolute};
+use crate::model::{Body, Dof, Model};
+use crate::model_file::{BodyEntry, ContactEntry, FrameEntry, FullInertia, InertiaEntry, ModelFile};
 use crate::table::Table;
 
 impl Model {
@@ -24,11 +24,7 @@ impl Model {
             base: self.base,
             gravity_mps2: Some(self.gravity),
             torso: Some(self.bodies[self.torso].name.clone()),
-            base_pitch: pitch.map(|pitch| PitchLimits {
-                lower_rad: finite(pitch.lower),
-                upper_rad: finite(pitch.upper),
-                ..PitchLimits::default()
-            }),
+            base_pitch: pitch.map(|pitch| numbers(pitch, Revolute::LIMITS)),
             feet: Some(self.feet.clone()),
             bodies: self.bodies[root..].iter().map(|body| spanned(self.body_entry(body))).collect(),
             contacts: self
@@ -91,18 +87,8 @@ impl Model {
             table.push("origin_rotation", rows.map(list).to_vec());
         }
         for index in body.v_index..body.v_index + body.joint.nv() {
-            let mut dof = self.dofs[index].clone();
-            for key in body.joint.kind().keys {
-                let value = *(key.of)(&mut dof);
-                let written = match key.form {
-                    Form::Degrees => false,
-                    Form::Finite => value.is_finite(),
-                    Form::NonZero => value != 0.0,
-                };
-                if written {
-                    table.push(key.name, value);
-                }
-            }
+            let dof = &self.dofs[index];
+            table.append(numbers(dof, body.joint.kind().keys));
             table.push("actuated", dof.actuated);
         }
         table
@@ -115,9 +101,21 @@ fn rows(rotation: &Matrix3<f64>) -> Option<[[f64; 3]; 3]> {
     (*rotation != Matrix3::identity()).then_some(rows)
 }
 
-/// An infinite limit is none.
-fn finite(limit: f64) -> Option<f64> {
-    limit.is_finite().then_some(limit)
+/// The numbers of a coordinate under `keys`: without infinite limits, which are none, and springs that there are not.
+fn numbers(dof: &Dof, keys: &[Key]) -> Table {
+    let (mut dof, mut table) = (dof.clone(), Table::default());
+    for key in keys {
+        let value = *(key.of)(&mut dof);
+        let written = match key.form {
+            Form::Degrees => false,
+            Form::Finite => value.is_finite(),
+            Form::NonZero => value != 0.0,
+        };
+        if written {
+            table.push(key.name, value);
+        }
+    }
+    table
 }
 
 fn spanned<T>(value: T) -> Spanned<T> {

@@ -33,6 +33,8 @@ pub struct Audit {
     pub contact_sweeps: u32,
     /// Largest residual of the contact solver, as force [N].
     pub contact_residual_n: f64,
+    /// Stiffness of the springs and stops that acted at joints, as the largest share of what the time step can bear.
+    pub stiffness_share: f64,
     mass: f64,
     energy_at_start: f64,
     work: f64,
@@ -67,7 +69,7 @@ impl Audit {
     /// Opens the books in the state of `dynamics`.
     pub(super) fn begin(&mut self, dynamics: &Dynamics, mass: f64) {
         self.mass = mass;
-        self.energy_at_start = dynamics.kinetic_energy + dynamics.potential_energy;
+        self.energy_at_start = energy(dynamics);
         self.com_velocity_at_start = dynamics.com_velocity;
     }
 
@@ -115,6 +117,11 @@ impl Audit {
         self.contact_loss_j -= work;
     }
 
+    /// Enters how stiff the springs and stops are that act in a step, as a share of what is stable.
+    pub(super) fn springs(&mut self, share: f64) {
+        self.stiffness_share = self.stiffness_share.max(share);
+    }
+
     fn enter(&mut self, work: f64) {
         self.work += work;
         self.work_j += work.abs();
@@ -122,8 +129,7 @@ impl Audit {
 
     /// Holds the state after the step against the books.
     pub(super) fn close(&mut self, dynamics: &Dynamics, ground: &Terrain) {
-        let energy = dynamics.kinetic_energy + dynamics.potential_energy;
-        self.energy_error_j = self.energy_error_j.max((energy - self.energy_at_start - self.work).abs());
+        self.energy_error_j = self.energy_error_j.max((energy(dynamics) - self.energy_at_start - self.work).abs());
         let momentum = self.mass * (dynamics.com_velocity - self.com_velocity_at_start);
         self.momentum_error_mps = self.momentum_error_mps.max((momentum - self.impulse).norm() / self.mass);
         for position in &dynamics.contact_positions {
@@ -148,6 +154,12 @@ impl Audit {
         check("tangential force over the friction cone", self.friction_excess_n, 1e-3, "N");
         check("pull of the ground", self.pull_n, 1e-6, "N");
         check("residual of the contact solver", self.contact_residual_n, 1e-3, "N");
+        check("stiffness of springs and stops for the time step", self.stiffness_share, 0.25, "of the stable");
         found
     }
+}
+
+/// Of motion, weight, springs and stops [J].
+fn energy(dynamics: &Dynamics) -> f64 {
+    dynamics.kinetic_energy + dynamics.potential_energy + dynamics.elastic_energy
 }

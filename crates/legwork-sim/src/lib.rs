@@ -7,6 +7,7 @@ pub mod audit;
 pub mod batch;
 mod contact_law;
 pub mod contact_solver;
+mod elastic;
 pub mod model_error;
 mod plant;
 pub mod push;

@@ -16,6 +16,7 @@ use crate::plant::{Health, Plant};
 use crate::push::Pushes;
 use crate::settings::{Integrator, Push, SimulationSettings};
 use crate::velocity::VelocityStep;
+use crate::elastic::Elastic;
 
 /// The simulated robot and its ground.
 #[derive(Clone, Debug)]
@@ -61,6 +62,7 @@ struct Body {
     actuated: Vec<usize>,
     ground: Terrain,
     pushes: Pushes,
+    elastic: Elastic,
     actuators: Actuators,
     step: u64,
     q: Vec<f64>,
@@ -83,7 +85,7 @@ impl Simulator {
     /// A robot at rest in `q` [rad, m] on the `ground`; many robots may share a model.
     ///
     /// # Errors
-    /// A push that names an unknown body.
+    /// A push that names an unknown body; a spring or stop at a joint that is too stiff for the time step.
     pub fn new(
         settings: &SimulationSettings,
         pushes: &[Push],
@@ -95,7 +97,7 @@ impl Simulator {
         let (nv, d, contacts) = (model.nv(), model.linear_axes().len(), model.contacts.len());
         let actuated: Vec<usize> = model.actuated().collect();
         let state = Dynamics::new(&model);
-        let velocity = if model.is_planar() {
+        let mut velocity = if model.is_planar() {
             Velocity::Planar(VelocityStep::new(&model, &state, &ground))
         } else {
             Velocity::Spatial(VelocityStep::new(&model, &state, &ground))
@@ -103,6 +105,7 @@ impl Simulator {
         let mut body = Body {
             ground,
             pushes: Pushes::new(pushes, &model)?,
+            elastic: Elastic::new(&model),
             actuators: Actuators::new(&settings.actuators, &model, settings.period_s),
             step: 0,
             q: q.to_vec(),
@@ -123,6 +126,10 @@ impl Simulator {
         };
         body.state.update(&body.model, &body.q, &body.v);
         body.audit.begin(&body.state, body.model.total_mass());
+        match &mut velocity {
+            Velocity::Planar(velocity) => body.check_springs(velocity)?,
+            Velocity::Spatial(velocity) => body.check_springs(velocity)?,
+        }
         let (forces, torque) = (body.forces.clone(), body.applied.clone());
         Ok(Self { body, velocity, period: Period { forces, torque, contact: [0.0; 2], energy_error: 0.0 } })
     }
@@ -264,6 +271,13 @@ impl Body {
         (self.step as f64 * self.settings.period_s * 1e9).round() / 1e9
     }
 
+    fn check_springs<const D: usize, const K: usize>(&self, velocity: &mut VelocityStep<D, K>) -> Result<(), Error> {
+        if self.elastic.is_empty() || !velocity.factor(&self.state) {
+            return Ok(());
+        }
+        self.elastic.check(&self.model, self.settings.period_s, velocity)
+    }
+
     fn step<const D: usize, const K: usize>(&mut self, velocity: &mut VelocityStep<D, K>, wanted: &[f64]) -> bool {
         let time = self.time();
         let Self { settings, model, ground, state, midpoint, .. } = self;
@@ -283,11 +297,15 @@ impl Body {
         if !velocity.prepare(settings, ground, dynamics, rest) {
             return false;
         }
+        if !self.elastic.is_empty() {
+            let q = if is_midpoint { &self.next_q } else { &self.q };
+            self.audit.springs(self.elastic.share(model, q, dt, velocity));
+        }
         self.push_force.fill(0.0);
         let push = self.pushes.add(dynamics, time, dt, &mut self.push_force);
         self.damping.copy_from_slice(dynamics.damping.as_slice());
         for j in 0..self.v.len() {
-            self.force[j] = self.push_force[j] - dynamics.bias[j] - dynamics.damping[j];
+            self.force[j] = self.push_force[j] - dynamics.bias[j] - dynamics.damping[j] - dynamics.elastic[j];
         }
         for (&dof, torque) in self.actuated.iter().zip(&self.applied) {
             self.force[dof] += torque;

@@ -96,7 +96,7 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
         dynamics: &Dynamics,
         rest: f64,
     ) -> bool {
-        if !self.factor.factor(&dynamics.mass_matrix) {
+        if !self.factor(dynamics) {
             return false;
         }
         let axes = axes::<D>(terrain.base());
@@ -137,6 +137,19 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
             ContactModel::SpringDamper => self.spring(settings, terrain, dynamics),
         }
         true
+    }
+
+    /// Factorises the mass matrix. Returns false where it is not positive definite.
+    pub(super) fn factor(&mut self, dynamics: &Dynamics) -> bool {
+        self.factor.factor(&dynamics.mass_matrix)
+    }
+
+    /// By how much the coordinate `j` accelerates a unit of force on it, without contacts: `(M⁻¹)_jj`.
+    pub(super) fn mobility(&mut self, j: usize) -> f64 {
+        self.drive.fill(0.0);
+        self.drive[j] = 1.0;
+        self.factor.solve_transposed(&mut self.drive);
+        self.drive.iter().map(|value| value * value).sum()
     }
 
     /// `Yᵀ Y`, foot by foot; two feet share only the coordinates that move both.

@@ -28,6 +28,11 @@ const KEYS: &[Key] = &[
     key("stop_damping_nmspr", |dof| &mut dof.stop_damping, Form::NonZero),
 ];
 
+impl Revolute {
+    /// The keys of its limits of position.
+    pub(crate) const LIMITS: &[Key] = KEYS.split_at(4).0;
+}
+
 impl JointType for Revolute {
     const KIND: Kind = Kind {
         name: "revolute",
