@@ -12,11 +12,11 @@ use legwork_rbd::{Dynamics, Model};
 use crate::actuators::Actuators;
 use crate::audit::{self, Audit};
 use crate::contact_solver::Report;
+use crate::elastic::Elastic;
 use crate::plant::{Health, Plant};
 use crate::push::Pushes;
 use crate::settings::{Integrator, Push, SimulationSettings};
 use crate::velocity::VelocityStep;
-use crate::elastic::Elastic;
 
 /// The simulated robot and its ground.
 #[derive(Clone, Debug)]

@@ -237,6 +237,9 @@ fn not_found(kind: &str, name: &str, names: impl Iterator<Item = &'static str>) 
 
 /// A whole text file.
 fn read_text(path: &Path) -> Result<String, Error> {
+    if cfg!(not(feature = "files")) {
+        return Err(Error::Io { path: path.to_owned(), problem: "this build reads no files".to_owned() });
+    }
     let bytes = std::fs::read(path).map_err(|error| Error::io(path, &error))?;
     String::from_utf8(bytes).map_err(|error| {
         let offset = error.utf8_error().valid_up_to();

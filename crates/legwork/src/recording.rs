@@ -4,14 +4,14 @@
 
 use legwork_rbd::Model;
 
-use crate::contract::Sensed;
+use crate::contract::{Command, Sensed};
 use crate::episode::Run;
 use crate::error::Error;
-use crate::log::Field;
+use crate::log::{Field, Log};
 use crate::momentum::MomentumController;
 use crate::scenario::Scenario;
-use crate::sim::Simulator;
 use crate::sim::sensors::Sensors;
+use crate::sim::{Health, Plant, Simulator};
 
 /// The inputs of controller and simulator in each tick of a run.
 #[derive(Clone, Debug)]
@@ -76,6 +76,39 @@ impl Recording {
     /// The robot as the controller knows it: whose dynamics its ticks want.
     pub fn known(&self) -> &Model {
         &self.known
+    }
+}
+
+/// The true states of a run, given once more: a physics that does not care what it is asked for. What another controller would have
+/// asked for in those states is in its log.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    states: Vec<Sensed>,
+    tick: usize,
+}
+
+impl Replay {
+    /// The states of the records of `log`.
+    ///
+    /// # Errors
+    /// There is none.
+    pub fn of(log: &Log) -> Result<Self, Error> {
+        if log.is_empty() {
+            return Err(Error::invalid("log", "found no record; a replay needs at least one"));
+        }
+        Ok(Self { states: (0..log.len()).map(|index| log.truth(index)).collect(), tick: 0 })
+    }
+}
+
+impl Plant for Replay {
+    fn read(&self, sensed: &mut Sensed) {
+        sensed.clone_from(&self.states[self.tick]);
+    }
+
+    fn apply(&mut self, _command: &Command, _period: f64) -> Health {
+        // After its last state it stays there.
+        self.tick = (self.tick + 1).min(self.states.len() - 1);
+        Health::Sound
     }
 }
 

@@ -81,7 +81,7 @@ fn a_stop_holds_a_joint_near_its_end() {
         for (side, range) in [(1.0, format!("upper_rad = {way}")), (-1.0, format!("lower_rad = -{way}"))] {
             let stop = format!("{range}\nstop_nmpr = {stiffness}\nstop_damping_nmspr = ");
             // Without damping: the work of the torque goes into the stop, torque (way + p) = k p² / 2.
-            let deepest = (torque + (torque * torque + 2.0 * stiffness * torque * way).sqrt()) / stiffness;
+            let deepest = (torque + f64::sqrt(torque * torque + 2.0 * stiffness * torque * way)) / stiffness;
             let speed = (2.0 * torque * way / INERTIA).sqrt();
             let mut bouncing = simulator(integrator, &rod(&format!("{stop}0")), 0.0);
             let mut found: f64 = 0.0;
