@@ -135,16 +135,29 @@ pub(crate) fn write_file(path: &Path, write: impl FnOnce(&Path) -> Result<(), Er
     if path.metadata().is_ok_and(|found| !found.is_file()) {
         return write(path);
     }
-    // A link stays one: the file that it leads to is replaced.
-    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let ending = target.extension().unwrap_or_default().to_string_lossy();
-    let partial = target.with_file_name(format!(".legwork-{}.{ending}", std::process::id()));
-    let moved = |()| fs::rename(&partial, &target).map_err(|error| Failure::output(path, error));
-    let written = write(&partial).and_then(moved);
+    let partial = partial(path);
+    let written = write(&partial).and_then(|()| put_in_place(path));
     if written.is_err() {
         let _ = fs::remove_file(&partial);
     }
     written
+}
+
+/// A link stays one: the file that it leads to is replaced.
+fn target(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_owned())
+}
+
+/// The file beside `path` that is written until it is whole.
+pub(crate) fn partial(path: &Path) -> PathBuf {
+    let target = target(path);
+    let ending = target.extension().unwrap_or_default().to_string_lossy();
+    target.with_file_name(format!(".legwork-{}.{ending}", std::process::id()))
+}
+
+/// Gives the file that was written beside `path` its name.
+pub(crate) fn put_in_place(path: &Path) -> Result<(), Failure> {
+    fs::rename(partial(path), target(path)).map_err(|error| Failure::output(path, error))
 }
 
 /// Writes a text as [`write_file`] does.

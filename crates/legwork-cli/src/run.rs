@@ -7,13 +7,14 @@ use std::process::ExitCode;
 use legwork::episode::{Episode, Outcome, Parts, Run};
 use legwork::error::Error;
 use legwork::scenario::Scenario;
+use legwork::sink::Sink;
 use legwork::{clock, episode, log_file, scenario_file};
 use legwork_rbd::Model;
 use legwork_report::run as report;
 
 use crate::args::RunArgs;
 use crate::long_work::{INTERRUPTED, Progress, interrupted, listen_for_interrupt};
-use crate::output::{Failure, Output, check_writable, say, write_file, write_text};
+use crate::output::{Failure, Output, check_writable, partial, put_in_place, say, write_file, write_text};
 use crate::summary;
 
 pub(crate) fn run(options: &RunArgs, output: &mut Output) -> Result<ExitCode, Failure> {
@@ -62,6 +63,8 @@ struct Job {
     /// Its name, made different from those of the other jobs.
     label: String,
     log: Option<PathBuf>,
+    /// Whether the log is written while the run goes on: where nothing else needs all of it.
+    streams: bool,
 }
 
 /// Reads the scenarios and what they name, and takes their start poses, so that mistakes show before anything runs.
@@ -88,9 +91,12 @@ fn prepare(name: &str, options: &RunArgs) -> Result<Job, Error> {
     sets.extend(options.duration.iter().map(|duration| format!("duration_s={duration}")));
     let loaded = scenario_file::load(name, &sets).map_err(|error| as_typed(error, name, options))?;
     let (model, samples) = (loaded.model()?, loaded.samples()?);
-    Episode::new(&loaded.scenario, &model, &samples).map_err(|error| loaded.locate(error))?;
+    let streams = options.log.is_some() && options.report.is_none() && options.plots.is_none();
+    let sink = || -> Box<dyn Sink> { Box::new(()) };
+    let parts = Parts { samples: samples.clone(), sink: streams.then(sink), ..Parts::default() };
+    Episode::with(&loaded.scenario, &model, parts).map_err(|error| loaded.locate(error))?;
     let label = loaded.scenario.name.clone();
-    Ok(Job { scenario: loaded.scenario, model, samples, label, log: None })
+    Ok(Job { scenario: loaded.scenario, model, samples, label, log: None, streams })
 }
 
 /// `--duration` goes the way of a `--set`, but should not be called one; of several scenarios, the one is named.
@@ -140,7 +146,11 @@ impl Job {
     fn run(&self) -> Result<Run, Error> {
         let length = (self.scenario.duration_s * 1e3) as u64;
         let bar = Progress::new(&self.label, length, "{percent} % simulated");
-        let parts = Parts { samples: self.samples.clone(), clock: Some(clock::system), ..Parts::default() };
+        let mut parts = Parts { samples: self.samples.clone(), clock: Some(clock::system), ..Parts::default() };
+        if self.streams {
+            let path = self.log.as_deref().expect("it streams to its log");
+            parts.sink = Some(log_file::create(&self.written_to(path), &self.scenario.name)?);
+        }
         let run = episode::run_with(&self.scenario, &self.model, parts, |time| {
             bar.tell((time * 1e3) as u64);
             interrupted()
@@ -149,9 +159,18 @@ impl Job {
         run
     }
 
+    /// Where a log is written while the run goes on: beside its place, unless that is no file but a pipe or a device.
+    fn written_to(&self, path: &Path) -> PathBuf {
+        if path.metadata().is_ok_and(|found| !found.is_file()) { path.to_owned() } else { partial(path) }
+    }
+
     fn write_files(&self, run: &Run, options: &RunArgs) -> Result<(), Failure> {
         if let Some(path) = &self.log {
-            write_file(path, |path| log_file::write(run, path))?;
+            if !self.streams {
+                write_file(path, |path| log_file::write(run, path))?;
+            } else if self.written_to(path) != *path {
+                put_in_place(path)?;
+            }
             say(&format!("log: {}", path.display()));
         }
         if let Some(folder) = &options.plots {

@@ -60,7 +60,7 @@ pub struct ProgramCounts {
 /// How long things took; not part of the result's hash.
 #[derive(Clone, Debug, Default)]
 pub struct Timing {
-    /// Duration of each control tick [s]; without the dynamics of the state where the sensors are ideal, as the physics
+    /// Duration of each of the first [`MOST_TIMED`] control ticks [s]; without the dynamics of the state where the sensors are ideal, as the physics
     /// has them already. None where the run had no clock.
     pub ticks_s: Vec<f64>,
     /// Of the whole run [s].
@@ -131,6 +131,12 @@ pub struct Parts {
 
 /// The records that stay in memory where a sink takes them are those of the latest so many seconds: what a diagnosis looks back at.
 pub const KEPT_S: f64 = 60.0;
+
+/// So many ticks of a run are timed at most.
+pub const MOST_TIMED: usize = 1_000_000;
+
+/// A log of more records would not fit into memory.
+const MOST_RECORDS: u64 = 4_000_000;
 
 /// A run in progress, advanced tick by tick.
 #[derive(Debug)]
@@ -217,6 +223,13 @@ impl Episode {
         let columns = Columns::new(record::channels(&model, controller.as_ref(), plant.as_ref()))?;
         let period = scenario.controller.period_s;
         let ticks = (scenario.duration_s / period).round() as u64;
+        if parts.sink.is_none() && ticks > MOST_RECORDS {
+            let problem = format!(
+                "found a run of {ticks} control periods, whose log does not fit into memory; valid are at most {MOST_RECORDS}, or a \
+                 log that goes to a file while the run goes on"
+            );
+            return Err(Error::invalid("duration_s", problem));
+        }
         let log = match parts.sink {
             Some(_) => Log::of_latest(columns.clone(), &model, (KEPT_S / period).ceil() as usize),
             None => Log::new(columns.clone(), &model, ticks as usize),
@@ -241,7 +254,7 @@ impl Episode {
             conflict: Vec::with_capacity(controller.program().map_or(0, |program| program.conflict.capacity())),
             iterations: 0,
             clock: parts.clock,
-            tick_times: Vec::with_capacity(if parts.clock.is_some() { ticks as usize } else { 0 }),
+            tick_times: Vec::with_capacity(parts.clock.map_or(0, |_| MOST_TIMED.min(ticks as usize))),
             told: truth.clone(),
             truth,
             ground: scenario.terrain(&model),
@@ -298,7 +311,9 @@ impl Episode {
                 self.controller.tick(&self.told, dynamics);
             }
         }
-        if let (Some(begin), Some(clock)) = (begin, self.clock) {
+        if let (Some(begin), Some(clock)) = (begin, self.clock)
+            && self.tick_times.len() < self.tick_times.capacity()
+        {
             self.tick_times.push(clock() - begin);
         }
         let Some(tick) = self.controller.program() else { return };

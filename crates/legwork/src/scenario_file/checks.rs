@@ -7,9 +7,6 @@ use crate::error::Error;
 use crate::scenario::{GeneratorKind, Scenario, TrajectoryKind};
 use crate::settings::{self, SETTINGS, Setting, at};
 
-/// A log of more ticks would not fit into memory.
-const MOST_TICKS: f64 = 4e6;
-
 impl Draft {
     /// The scenario, if all is valid; `file_name` is for what no line can be blamed for.
     pub(super) fn check(&mut self, file_name: &str) -> Result<Scenario, Error> {
@@ -75,13 +72,6 @@ fn conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
     }
     if *duration < control {
         let problem = format!("the run of {duration} s is shorter than one control period of {control} s");
-        return Some((&["duration_s", "controller.period_s"], problem));
-    }
-    if duration / control > MOST_TICKS {
-        let problem = format!(
-            "a run of {duration} s has {:.0} control periods of {control} s; valid are at most {MOST_TICKS}",
-            duration / control
-        );
         return Some((&["duration_s", "controller.period_s"], problem));
     }
 

@@ -83,7 +83,7 @@ pub const SETTINGS: &[Setting] = &[
     setting("name", Valid::Text, OURS, "Name; where a file gives none, its own."),
     setting("description", Valid::Text, OURS, "What the scenario shows, in a sentence."),
     setting("model", Valid::Text, OURS, "A built-in model, or a TOML or URDF file."),
-    number("duration_s", "s", [1e-3, 3600.0], OURS, "Simulated time."),
+    number("duration_s", "s", [1e-3, 1e6], OURS, "Simulated time."),
     setting(
         "seed",
         Valid::Integer { min: 0, max: i64::MAX },
