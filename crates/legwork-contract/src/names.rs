@@ -41,9 +41,3 @@ pub fn dofs(model: &Model, name: &str, linear: &'static str, angular: &'static s
 pub fn joints(model: &Model, name: &str, unit: &'static str) -> Names {
     model.actuated().map(|dof| (format!("{name}.{}", model.dofs[dof].name), unit)).collect()
 }
-
-/// A rate of momentum: `slack.momentum.angular`, then `slack.momentum.linear_x`.
-pub fn momentum(model: &Model, name: &str) -> Names {
-    let turns = angular(model).iter().map(|axis| (format!("{name}.angular{axis}"), "Nm"));
-    turns.chain(linear(model).map(|axis| (format!("{name}.linear_{axis}"), "N"))).collect()
-}

@@ -14,7 +14,7 @@ pub struct MotionReferencePlanner {
 impl MotionReferencePlanner {
     /// A planner for `model`, of the tasks that `settings` ask for.
     pub fn new(settings: &ControllerSettings, model: &Model) -> Self {
-        Self { aims: laws(settings).into_iter().map(|law| Aim::new(law, model)).collect() }
+        Self { aims: laws(settings, model).into_iter().map(|law| Aim::new(law, model)).collect() }
     }
 
     /// The goals for what is seen. Allocates nothing.

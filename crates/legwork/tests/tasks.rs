@@ -35,8 +35,14 @@ fn every_limit_has_words_and_a_column_of_its_own() {
 #[test]
 fn rows_jacobian_goal_and_slack_of_every_task_agree() {
     let mut models = HashSet::new();
+    // With all tasks that there are.
     for (name, form) in SCENARIOS.iter().flat_map(|name| ["direct", "slack"].map(|form| (name, form))) {
-        let run = common::run(name, &["duration_s=0.4", &format!("controller.form={form}")]);
+        let form_set = format!("controller.form={form}");
+        let run = common::run(name, &["duration_s=0.4", "controller.weights.posture=0.1", &form_set]);
+        assert_eq!(
+            run.tasks.iter().map(|task| task.name).collect::<Vec<_>>(),
+            ["momentum", "feet", "torso", "posture"]
+        );
         models.insert(run.scenario.model.clone());
         let mut controller =
             run.scenario.momentum_controller(&run.model, &[], &run.log.truth(0)).expect("the model fits");
@@ -83,4 +89,22 @@ fn check(controller: &MomentumController, dynamics: &Dynamics, logged: &[f64], w
             );
         }
     }
+}
+
+/// The task that is off by default: nowhere without a weight, and with one it draws the joints to where they were.
+#[test]
+fn the_posture_is_a_task_where_it_has_a_weight() {
+    let deviation = |weight: &str| {
+        let run = common::run("exo-sway", &["duration_s=1", &format!("controller.weights.posture={weight}")]);
+        let begin = run.log.get(0, Field::Q).to_vec();
+        let moved = |index: usize| -> f64 {
+            let joints = run.log.get(index, Field::Q).iter().zip(&begin).skip(7);
+            joints.map(|(q, begin)| (q - begin).abs()).fold(0.0, f64::max)
+        };
+        let columns = run.log.columns().iter().filter(|column| column.name.starts_with("slack.posture.")).count();
+        (run.tasks.len(), columns, (0..run.log.len()).map(moved).fold(0.0, f64::max))
+    };
+    let ((tasks, columns, free), (more_tasks, joints, held)) = (deviation("0"), deviation("1e4"));
+    assert_eq!((tasks, columns, more_tasks, joints), (3, 0, 4, 18));
+    assert!(free > 0.05 && held < 0.5 * free, "{held} rad of {free} rad");
 }

@@ -374,7 +374,6 @@ impl Controller for MomentumController {
         // The program's form and tasks, and with them the columns of the log, are those that it was made with.
         let (form, tracking) = (self.settings.form, self.settings.tracking.clone());
         self.settings = ControllerSettings { form, tracking, ..settings.clone() };
-        self.planner = MotionReferencePlanner::new(&self.settings, &self.model);
         self.generator.change(reference);
         self.ground.fill(*terrain.base());
         self.terrain = terrain.clone();

@@ -56,7 +56,8 @@ impl Layout {
             next - size..next
         };
         let (qdd, rho, tau) = (take(nv), take(forces), take(slack(actuated.len())));
-        let mut tasks: Vec<Task> = laws(settings).iter().map(|law| Task::new(law.as_ref(), settings, model)).collect();
+        let mut tasks: Vec<Task> =
+            laws(settings, model).iter().map(|law| Task::new(law.as_ref(), settings, model)).collect();
         let mut rows = 0;
         for task in &mut tasks {
             task.rows = rows..rows + task.rows.len();

@@ -62,6 +62,8 @@ pub struct PlannerSettings {
     pub foot_rotation_gain: f64,
     /// `P_a`: torso angle error to angular acceleration [1/s²].
     pub torso_gain: f64,
+    /// Joint position error to acceleration, of the posture [1/s²].
+    pub posture_gain: f64,
     /// Which damping gains belong to them.
     pub damping: Damping,
     /// Largest horizontal momentum rate asked for [N].
@@ -102,6 +104,8 @@ pub struct Weights {
     pub torso: f64,
     /// What the square of the wanted acceleration raises that by: to `1 + (this · α_D²)²` times [s⁴].
     pub torso_urgency_s4: f64,
+    /// Weight of the joint accelerations toward the posture of the first tick; without it there is no such task.
+    pub posture: f64,
     /// Weight of a braking joint's acceleration error where the hard bound (4.32) had to yield.
     pub braking: f64,
 }
@@ -208,6 +212,7 @@ impl Default for ControllerSettings {
                 foot_gain: 1500.0,
                 foot_rotation_gain: 400.0,
                 torso_gain: 45.0,
+                posture_gain: 45.0,
                 damping: Damping::Printed,
                 max_horizontal_momentum_rate_n: 520.0,
                 torso_angle_deg: -5.0,
@@ -227,6 +232,7 @@ impl Default for ControllerSettings {
                 trailing_rotation_factor: 1.0,
                 torso: 1e5,
                 torso_urgency_s4: 0.0,
+                posture: 0.0,
                 braking: 1e4,
             },
             tracking: TrackingSettings { momentum: Tracking::Cost, feet: Tracking::Cost, torso: Tracking::Cost },

@@ -54,7 +54,10 @@ const FIXED: [(&str, &[&str]); 8] = [
         "the reference is planned before the first tick",
         &["reference.generator", "reference.com", "reference.stance", "controller.planner.torso_angle_deg"],
     ),
-    ("the program has its variables and rows from the begin", &["controller.form", "controller.tracking"]),
+    (
+        "the program has its variables and rows from the begin",
+        &["controller.form", "controller.tracking", "controller.weights.posture"],
+    ),
     (
         "the ground's shape, and what the controller is told of it, are made before the first tick",
         &[

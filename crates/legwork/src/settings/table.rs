@@ -417,6 +417,13 @@ pub const SETTINGS: &[Setting] = &[
     ),
     number("controller.planner.torso_gain", "1/s²", GAIN, FITTED, "Torso angle error to angular acceleration.")
         .called("P_a"),
+    number(
+        "controller.planner.posture_gain",
+        "1/s²",
+        GAIN,
+        OURS,
+        "Joint position error to acceleration, of the posture.",
+    ),
     choice(
         "controller.planner.damping",
         &["printed", "critical"],
@@ -495,6 +502,13 @@ pub const SETTINGS: &[Setting] = &[
         WEIGHT,
         OURS,
         "What the square of the torso's wanted acceleration raises its weight by.",
+    ),
+    number(
+        "controller.weights.posture",
+        "",
+        WEIGHT,
+        OURS,
+        "Weight of the joint accelerations toward the posture of the first tick; 0 for a program without that task.",
     ),
     number(
         "controller.weights.braking",

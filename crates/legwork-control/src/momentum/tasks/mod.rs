@@ -5,6 +5,7 @@
 
 pub mod feet;
 pub mod momentum;
+pub mod posture;
 pub mod torso;
 
 use std::fmt::Debug;
@@ -14,20 +15,32 @@ use legwork_rbd::{Dynamics, Model};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::Inputs;
-use super::layout::axis_name;
 use crate::generator::Reference;
-use crate::settings::{ControllerSettings, Damping, PlannerSettings, Tracking, TrackingSettings};
+use crate::settings::{ControllerSettings, Damping, PlannerSettings, Tracking, TrackingSettings, Weights};
 use legwork_contract::feet::FeetMotion;
+use legwork_contract::names;
 
 /// The tasks that `settings` ask for, in the order of their rows. Thesis (B.1): momentum, feet, torso.
-pub fn laws(_settings: &ControllerSettings) -> Vec<Box<dyn Law>> {
-    vec![Box::new(momentum::Momentum), Box::new(feet::Feet), Box::new(torso::Torso)]
+pub fn laws(settings: &ControllerSettings, model: &Model) -> Vec<Box<dyn Law>> {
+    let mut all: Vec<Box<dyn Law>> = vec![
+        Box::new(momentum::Momentum),
+        Box::new(feet::Feet),
+        Box::new(torso::Torso),
+        Box::new(posture::Posture::new(model)),
+    ];
+    all.retain(|law| law.is_wanted(&settings.weights));
+    all
 }
 
 /// How a task's goal, Jacobian and weights come about.
 pub trait Law: CloneLaw + Debug + Send + Sync {
     /// The task's name: that of its setting in `controller.tracking` and of its columns in the log, and its word in sentences.
     fn name(&self) -> &'static str;
+
+    /// Whether a program with these weights has the task: always, where nothing else is said.
+    fn is_wanted(&self, _weights: &Weights) -> bool {
+        true
+    }
 
     /// The task's rows, in their order.
     fn parts(&self, model: &Model) -> Vec<Part>;
@@ -113,15 +126,13 @@ pub struct Part {
 impl Part {
     /// Rows along the angular axes of `model`; their columns' names begin with `stem` after the task's.
     fn angular(model: &Model, quantity: &'static str, unit: &'static str, of: &str, stem: &str) -> Self {
-        let axes = if model.is_planar() { &[""][..] } else { &["_x", "_y", "_z"] };
-        let suffixes = axes.iter().map(|axis| format!("{stem}{axis}")).collect();
+        let suffixes = names::angular(model).iter().map(|axis| format!("{stem}{axis}")).collect();
         Self { quantity, unit, of: of.to_owned(), suffixes }
     }
 
     /// Rows along the linear axes of `model`.
     fn linear(model: &Model, quantity: &'static str, unit: &'static str, of: &str, stem: &str) -> Self {
-        let axes = (0..model.linear_axes().len()).map(|row| axis_name(model, row));
-        let suffixes = axes.map(|axis| format!("{stem}_{axis}")).collect();
+        let suffixes = names::linear(model).map(|axis| format!("{stem}_{axis}")).collect();
         Self { quantity, unit, of: of.to_owned(), suffixes }
     }
 }
