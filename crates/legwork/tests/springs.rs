@@ -1,7 +1,5 @@
 //! Springs and stops at joints, in the simulator and in the controller.
 
-mod common;
-
 use legwork::episode::Outcome;
 use legwork::log::Field;
 use legwork::scenario::{Integrator, Scenario};
