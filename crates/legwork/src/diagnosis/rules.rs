@@ -11,7 +11,7 @@ use super::evidence::{Evidence, Saturation, Stretch};
 use super::failure::{ASTRAY, Failure, Kind, consequence, failures};
 use super::reach::Steps;
 use super::{Cause, Diagnosis, Event, Fall, FirstCause, What, words};
-use crate::log::Log;
+use crate::log::{Field, Log};
 use crate::momentum::Fallback;
 use crate::momentum::{Limit, Task};
 use crate::scenario::{ContactModel, Push, Scenario};
@@ -45,10 +45,24 @@ const BOUNCED: f64 = 0.1;
 /// Without a limit to blame, a task was given up if it was missed by this many times as much as in the time before.
 const GIVEN_UP: f64 = 2.0;
 
+/// What the rules ask a log for.
+const NEEDED: [Field; 9] = [
+    Field::GrfSimulated,
+    Field::ComReference,
+    Field::Xcom,
+    Field::TorsoReference,
+    Field::FeetReference,
+    Field::Swing,
+    Field::Slack,
+    Field::Program,
+    Field::EnergyError,
+];
+
 /// Why the robot of `scenario` fell; `log` is that of the whole run, with the tasks and the limits of its controller.
 pub fn diagnose(scenario: &Scenario, model: &Model, fall: &Fall, log: &Log, told: (&[Task], &[Limit])) -> Diagnosis {
     let the_fall = Event { time: fall.time, what: What::Fell };
-    if log.is_empty() {
+    // A controller or a physics of another kind may not tell what the rules ask for.
+    if log.is_empty() || NEEDED.iter().any(|field| log.range(*field).is_empty()) {
         return Diagnosis { cause: FirstCause::Unexplained, events: vec![the_fall], sentence: super::sentence(fall) };
     }
     let evidence = Evidence::new(scenario, model, log, told);
