@@ -230,6 +230,18 @@ pub fn rotation_error(from: &Matrix3<f64>, to: &Matrix3<f64>) -> Vector3<f64> {
     if sine > 1e-12 { axis * (libm::atan2(sine, cosine) / sine) } else { axis }
 }
 
+/// The rotation of a rotation vector [rad]. Rodrigues
+pub fn rotated(turn: &Vector3<f64>) -> Matrix3<f64> {
+    let angle = turn.norm();
+    if turn.x == 0.0 && turn.z == 0.0 {
+        return pitched(-turn.y);
+    }
+    let (sine, cosine) = libm::sincos(angle);
+    let axis = turn / angle;
+    let cross = axis.cross_matrix();
+    Matrix3::identity() + cross * sine + cross * cross * (1.0 - cosine)
+}
+
 /// The rotation by `angle` [rad] about −y, counter-clockwise as seen with x to the right and z up.
 pub fn pitched(angle: f64) -> Matrix3<f64> {
     let (sin, cos) = libm::sincos(angle);

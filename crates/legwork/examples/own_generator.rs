@@ -6,7 +6,7 @@
 
 use legwork::episode::{self, Parts};
 use legwork::error::Error;
-use legwork::generator::{Generator, Observation, Reference};
+use legwork::generator::{Generator, Observation, Reference, TurnReference};
 use legwork::nalgebra::Vector3;
 use legwork::scenario_file;
 
@@ -28,7 +28,7 @@ impl Generator for Squat {
         com.acceleration = -Vector3::z() * (0.5 * depth * rate * rate * cos);
         for (foot, goal) in reference.feet.iter_mut().enumerate() {
             goal.point.position = start.feet[foot];
-            goal.angle.angle = start.pitch[foot][0];
+            goal.turn = TurnReference::pitch(start.pitch[foot][0], 0.0, 0.0);
         }
     }
 }

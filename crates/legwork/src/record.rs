@@ -107,8 +107,7 @@ pub(crate) fn reference(
     };
     record.set(Field::ComReference, motion(reference.chest.point));
     record.set(Field::Xcom, [reference.xcom]);
-    let torso = &reference.chest.angle;
-    record.set(Field::TorsoReference, [torso.angle, torso.velocity, torso.acceleration]);
+    record.set(Field::TorsoReference, reference.chest.turn.in_plane());
     record.set(Field::FeetReference, [0, 1].into_iter().flat_map(foot));
     let swing = reference.swing.map_or([-1.0, -1.0], |swing| [swing.foot as f64, swing.since]);
     record.set(Field::Swing, swing);

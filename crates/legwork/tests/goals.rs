@@ -3,7 +3,7 @@
 use legwork::contact::friction_rows;
 use legwork::feet::FeetMotion;
 use legwork::generator::step::{Phase, StepMachine};
-use legwork::generator::{Observation, PointReference, Reference};
+use legwork::generator::{Observation, PointReference, Reference, TurnReference};
 use legwork::library;
 use legwork::momentum::tasks::Seen;
 use legwork::planner::MotionReferencePlanner;
@@ -31,7 +31,7 @@ fn goals_are_equations_4_3_to_4_6() {
         velocity: Vector3::new(0.5, 0.0, -0.1),
         acceleration: Vector3::new(0.2, 0.0, 0.3),
     };
-    reference.chest.angle.angle = -0.08;
+    reference.chest.turn = TurnReference::pitch(-0.08, 0.0, 0.0);
     reference.feet[1].point = PointReference {
         position: Vector3::new(0.6, 0.0, 0.05),
         velocity: Vector3::new(1.0, 0.0, 0.5),

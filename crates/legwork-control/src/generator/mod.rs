@@ -50,23 +50,37 @@ pub struct PointReference {
     pub acceleration: Vector3<f64>,
 }
 
-/// Angle, angular velocity and acceleration, counter-clockwise [rad, rad/s, rad/s²].
+/// An orientation with two derivatives, in the world [rad, rad/s, rad/s²].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AngleReference {
-    /// Angle [rad].
-    pub angle: f64,
-    /// Angular velocity [rad/s].
-    pub velocity: f64,
-    /// Angular acceleration [rad/s²].
-    pub acceleration: f64,
+pub struct TurnReference {
+    /// The rotation vector that turns the world's axes into the object's: its direction is the axis, its length the angle.
+    pub turn: Vector3<f64>,
+    /// Angular velocity.
+    pub velocity: Vector3<f64>,
+    /// Angular acceleration.
+    pub acceleration: Vector3<f64>,
+}
+
+impl TurnReference {
+    /// An orientation in the x-z plane: angle, angular velocity and acceleration about −y, counter-clockwise as seen with x to
+    /// the right and z up.
+    pub fn pitch(angle: f64, velocity: f64, acceleration: f64) -> Self {
+        let about = |value: f64| Vector3::new(0.0, -value, 0.0);
+        Self { turn: about(angle), velocity: about(velocity), acceleration: about(acceleration) }
+    }
+
+    /// Its part in the x-z plane: angle, angular velocity and acceleration about −y.
+    pub fn in_plane(&self) -> [f64; 3] {
+        [self.turn, self.velocity, self.acceleration].map(|vector| -vector.y)
+    }
 }
 
 /// One object of the reference: in the plane an angle and two coordinates with two derivatives each, the nine
 /// trajectory variables of the thesis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ObjectReference {
-    /// Its orientation about −y. Point feet have none: theirs stays zero.
-    pub angle: AngleReference,
+    /// Its orientation. Point feet have none: theirs stays zero.
+    pub turn: TurnReference,
     /// Its position.
     pub point: PointReference,
 }
@@ -82,13 +96,11 @@ pub struct Reference {
     pub footing: [Footing; 2],
     /// Largest normal force on each [N].
     pub max_load: [f64; 2],
-    /// Where the centre of pressure should be along x [m], or with a rate of angular momentum the moment pivot. Where it is
-    /// given, the centre of mass accelerates as it asks, and the place of the CoM along x is no goal.
-    pub cop: Option<f64>,
-    /// Wanted rate of the angular momentum about −y, beside its damping [Nm].
-    pub angular_momentum_rate: f64,
-    /// Height of the ground below it [m].
-    pub ground_height: f64,
+    /// Where on the ground the centre of pressure should be [m], or with a rate of angular momentum the moment pivot. Where it is
+    /// given, the centre of mass accelerates as it asks, and its horizontal place is no goal.
+    pub cop: Option<Vector3<f64>>,
+    /// Wanted rate of the angular momentum, beside its damping [Nm].
+    pub moment: Vector3<f64>,
     /// The foot that swings, if one does.
     pub swing: Option<Swing>,
     /// The extrapolated centre of mass along x, as the generator reckons it [m].
@@ -116,8 +128,7 @@ impl Default for Reference {
             footing: [Footing::Stands; 2],
             max_load: [f64::INFINITY; 2],
             cop: None,
-            angular_momentum_rate: 0.0,
-            ground_height: 0.0,
+            moment: Vector3::zeros(),
             swing: None,
             xcom: 0.0,
             xcom_reference: 0.0,

@@ -7,7 +7,9 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
 
-use super::{ComTrajectory, Generator, Observation, PointReference, Reference, Surroundings, Swing, xcom};
+use super::{
+    ComTrajectory, Generator, Observation, PointReference, Reference, Surroundings, Swing, TurnReference, xcom,
+};
 use crate::settings::{Lift, StanceSettings};
 use legwork_contract::terrain::Terrain;
 
@@ -116,11 +118,11 @@ impl Stance {
 impl Generator for Stance {
     fn update(&mut self, seen: &Observation, reference: &mut Reference) {
         let com = sum(self.com.at(seen.time), self.com_offset(seen.time));
-        reference.chest.angle.angle = self.torso_angle;
+        reference.chest.turn = TurnReference::pitch(self.torso_angle, 0.0, 0.0);
         self.move_on(seen, &com);
         for (foot, goal) in reference.feet.iter_mut().enumerate() {
             goal.point = self.foot(foot, seen.time);
-            goal.angle.angle = self.pitch[foot];
+            goal.turn = TurnReference::pitch(self.pitch[foot], 0.0, 0.0);
         }
         reference.swing(self.swinging.map(|foot| Swing { foot, since: self.lift_off() }));
         reference.xcom = self.xcom;

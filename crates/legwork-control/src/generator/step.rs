@@ -6,7 +6,9 @@
 
 use nalgebra::Vector3;
 
-use super::{ComTrajectory, Generator, Observation, PointReference, Reference, Surroundings, Swing, swing, xcom};
+use super::{
+    ComTrajectory, Generator, Observation, PointReference, Reference, Surroundings, Swing, TurnReference, swing, xcom,
+};
 use crate::settings::{LeastStep, ReferenceSettings, Replan, StepSettings};
 use legwork_contract::terrain::Terrain;
 
@@ -48,7 +50,7 @@ impl Steps {
 impl Generator for Steps {
     fn update(&mut self, seen: &Observation, reference: &mut Reference) {
         let (com, machine) = (self.com.at(seen.time), &mut self.machine);
-        reference.chest.angle.angle = self.torso_angle;
+        reference.chest.turn = TurnReference::pitch(self.torso_angle, 0.0, 0.0);
         machine.update(seen, &com);
         for (foot, goal) in reference.feet.iter_mut().enumerate() {
             goal.point = machine.foot(foot, seen.time);

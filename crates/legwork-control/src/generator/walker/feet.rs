@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::{Footing, Motion, Observation, Walker, swing};
 use crate::generator::stance::minimum_jerk;
-use crate::generator::{AngleReference, ObjectReference, PointReference};
+use crate::generator::{ObjectReference, PointReference, TurnReference};
 
 /// The share of a heel's roll that is done when the foot lifts off: it still turns then.
 const ROLLED: f64 = 0.8;
@@ -87,14 +87,14 @@ impl Walker {
         let Some(roll) = self.roll[foot] else { return };
         let turn = Motion::from(minimum_jerk(self.time, roll.since, roll.duration));
         self.footing[foot] = footing;
-        let angle = AngleReference {
-            angle: self.placed[foot].pitch - roll.angle * turn.value,
-            velocity: -roll.angle * turn.rate,
-            acceleration: -roll.angle * turn.acceleration,
-        };
+        let turn = TurnReference::pitch(
+            self.placed[foot].pitch - roll.angle * turn.value,
+            -roll.angle * turn.rate,
+            -roll.angle * turn.acceleration,
+        );
         let toe = self.placed[foot].point(self.sole.toe);
         self.feet[foot] =
-            ObjectReference { angle, point: PointReference { position: toe, ..PointReference::default() } };
+            ObjectReference { turn, point: PointReference { position: toe, ..PointReference::default() } };
     }
 
     /// A standing foot whose heel is up turns down about its toe; were its middle held at the same time, the toe would be
@@ -155,11 +155,7 @@ impl Walker {
         ];
         let point = |k: usize, x: f64| Vector3::new(x + middle[k][0], 0.0, z[k] + middle[k][1]);
         ObjectReference {
-            angle: AngleReference {
-                angle: self.pitch.value,
-                velocity: self.pitch.rate,
-                acceleration: self.pitch.acceleration,
-            },
+            turn: TurnReference::pitch(self.pitch.value, self.pitch.rate, self.pitch.acceleration),
             point: PointReference {
                 position: point(0, origin + x.value),
                 velocity: point(1, x.rate),
@@ -188,14 +184,14 @@ impl Walker {
         };
         self.footing[foot] = footing;
         self.feet[foot].point.position = self.placed[foot].point(end);
-        self.feet[foot].angle = AngleReference { angle, velocity: rate, acceleration: 0.0 };
+        self.feet[foot].turn = TurnReference::pitch(angle, rate, 0.0);
     }
 
     /// A foot that stands flat.
     pub(super) fn flat(&self, foot: usize) -> ObjectReference {
         let position = self.placed[foot].point(self.sole.middle());
         ObjectReference {
-            angle: AngleReference { angle: self.placed[foot].pitch, ..AngleReference::default() },
+            turn: TurnReference::pitch(self.placed[foot].pitch, 0.0, 0.0),
             point: PointReference { position, ..PointReference::default() },
         }
     }

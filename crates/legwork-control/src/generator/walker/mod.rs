@@ -17,7 +17,7 @@ use nalgebra::Vector3;
 
 use super::stance::minimum_jerk;
 use super::{
-    AngleReference, Footing, Generator, ObjectReference, Observation, PointReference, Reference, Surroundings, Swing,
+    Footing, Generator, ObjectReference, Observation, PointReference, Reference, Surroundings, Swing, TurnReference,
     xcom,
 };
 use crate::settings::{Adaptation, ReferenceSettings, WalkerSettings};
@@ -392,15 +392,13 @@ impl Generator for Walker {
         self.act(step, seen);
 
         let Motion { value, rate, acceleration } = self.lean;
-        reference.chest.angle = AngleReference { angle: value, velocity: rate, acceleration };
-        reference.chest.angle.angle += self.torso_angle;
+        reference.chest.turn = TurnReference::pitch(value + self.torso_angle, rate, acceleration);
         reference.chest.point = self.com();
         reference.feet = self.feet;
         reference.footing = self.footing;
         reference.max_load = self.max_load;
-        reference.cop = Some(self.cop + self.hip_shift);
-        reference.angular_momentum_rate = -self.weight * self.hip_shift;
-        reference.ground_height = self.grade.at(self.cop);
+        reference.cop = Some(Vector3::new(self.cop + self.hip_shift, 0.0, self.grade.at(self.cop)));
+        reference.moment = Vector3::new(0.0, self.weight * self.hip_shift, 0.0);
         reference.swing = self.swinging();
         reference.xcom = self.xcom;
         reference.xcom_reference = self.xcom_reference;

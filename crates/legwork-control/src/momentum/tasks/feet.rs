@@ -6,9 +6,9 @@ use legwork_rbd::{Dynamics, Model};
 use nalgebra::{DMatrix, DVector};
 
 use super::super::Inputs;
-use super::{Law, Part, Seen, about_y, damping};
+use super::{Law, Part, Seen, damping};
 use crate::settings::{Tracking, TrackingSettings};
-use legwork_contract::feet::{FeetMotion, FootRows, Footing, pitched, rotation_error};
+use legwork_contract::feet::{FeetMotion, FootRows, Footing, rotated, rotation_error};
 
 /// The task's name.
 pub const NAME: &str = "feet";
@@ -42,7 +42,7 @@ impl Law for Feet {
         let foot_damping = damping(settings, 1.0, settings.foot_gain);
         let rotation_damping = damping(settings, 1.0, settings.foot_rotation_gain);
         for (foot, wanted) in reference.feet.iter().enumerate().take(model.feet.len()) {
-            let (rows, point, angle) = (feet.rows(foot), &wanted.point, &wanted.angle);
+            let (rows, point, turn) = (feet.rows(foot), &wanted.point, &wanted.turn);
             let acceleration = settings.foot_gain * (point.position - feet.position[foot])
                 + foot_damping * (point.velocity - feet.velocity[foot])
                 + point.acceleration;
@@ -52,10 +52,9 @@ impl Law for Feet {
             if rows.angular.is_empty() {
                 continue;
             }
-            let acceleration = settings.foot_rotation_gain
-                * rotation_error(&feet.rotation[foot], &pitched(angle.angle))
-                + rotation_damping * (about_y(angle.velocity) - feet.angular_velocity[foot])
-                + about_y(angle.acceleration);
+            let acceleration = settings.foot_rotation_gain * rotation_error(&feet.rotation[foot], &rotated(&turn.turn))
+                + rotation_damping * (turn.velocity - feet.angular_velocity[foot])
+                + turn.acceleration;
             for (row, axis) in rows.angular.clone().zip(model.angular_axes()) {
                 goal[row] = axis.dot(&acceleration);
             }

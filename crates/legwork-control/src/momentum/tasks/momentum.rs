@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use legwork_rbd::{Dynamics, Model};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::super::Inputs;
-use super::{Law, Part, Seen, about_y, damping};
+use super::{Law, Part, Seen, damping};
 use crate::settings::{Tracking, TrackingSettings};
 use legwork_contract::feet::FeetMotion;
 
@@ -41,8 +41,8 @@ impl Law for Momentum {
         for (row, axis) in model.angular_axes().iter().enumerate() {
             let momentum: f64 = (0..v.len()).map(|j| dynamics.momentum_matrix[(row, j)] * v[j]).sum();
             goal[row] = -settings.angular_momentum_gain * momentum;
-            if reference.angular_momentum_rate != 0.0 {
-                goal[row] += axis.dot(&about_y(reference.angular_momentum_rate));
+            if reference.moment != Vector3::zeros() {
+                goal[row] += axis.dot(&reference.moment);
             }
         }
 
@@ -53,10 +53,10 @@ impl Law for Momentum {
             + mass * com.acceleration;
         for (row, axis) in model.linear_axes().iter().enumerate() {
             let mut rate = axis.dot(&force);
-            if let Some(cop) = reference.cop.filter(|_| axis.x != 0.0) {
+            if let Some(cop) = reference.cop.filter(|_| axis.z == 0.0) {
                 // The pendulum whose foot is the centre of pressure, with the vertical force that is asked for
-                let arm = dynamics.com.z - reference.ground_height;
-                rate = (mass * model.gravity + force.z) / arm * (dynamics.com.x - cop);
+                let arm = dynamics.com.z - cop.z;
+                rate = (mass * model.gravity + force.z) / arm * axis.dot(&(dynamics.com - cop));
             }
             let limit = if axis.z == 0.0 { settings.max_horizontal_momentum_rate_n } else { f64::INFINITY };
             goal[angular + row] = rate.clamp(-limit, limit);

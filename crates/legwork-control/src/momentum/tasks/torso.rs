@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use super::super::Inputs;
 use super::{Law, Part, Seen, about_y, damping};
 use crate::settings::{Tracking, TrackingSettings};
-use legwork_contract::feet::{FeetMotion, pitched, rotation_error};
+use legwork_contract::feet::{FeetMotion, rotated, rotation_error};
 
 /// The task's name.
 pub const NAME: &str = "torso";
@@ -33,18 +33,18 @@ impl Law for Torso {
     fn plan(&mut self, seen: &Seen<'_>, goal: &mut [f64]) {
         let Seen { model, dynamics, v, settings, .. } = *seen;
         // Thesis (4.6), as meant: position and velocity of the torso, not its acceleration. In space its rotation vector.
-        let torso = &seen.reference.chest.angle;
+        let torso = &seen.reference.chest.turn;
         let turn = if model.is_planar() {
-            about_y(torso.angle - dynamics.torso_angle(model))
+            about_y(torso.in_plane()[0] - dynamics.torso_angle(model))
         } else {
-            rotation_error(&dynamics.world_from_body[model.torso].rotation, &pitched(torso.angle))
+            rotation_error(&dynamics.world_from_body[model.torso].rotation, &rotated(&torso.turn))
         };
         let torso_damping = damping(settings, 1.0, settings.torso_gain);
         for (row, axis) in model.angular_axes().iter().enumerate() {
             let velocity: f64 = (0..v.len()).map(|j| dynamics.torso_jacobian[(row, j)] * v[j]).sum();
             goal[row] = settings.torso_gain * axis.dot(&turn)
-                + torso_damping * (axis.dot(&about_y(torso.velocity)) - velocity)
-                + axis.dot(&about_y(torso.acceleration));
+                + torso_damping * (axis.dot(&torso.velocity) - velocity)
+                + axis.dot(&torso.acceleration);
         }
     }
 
