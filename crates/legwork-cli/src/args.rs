@@ -411,6 +411,8 @@ pub(crate) enum Listing {
     Studies,
     /// Every setting of a scenario
     Settings,
+    /// Every metric of a run
+    Metrics,
 }
 
 /// Options of `show`.

@@ -1,6 +1,7 @@
 //! `legwork list` and `legwork show`: what there is and what can be set.
 
 use legwork::error::Error;
+use legwork::metrics::{JOINT_METRICS, METRICS, Metric};
 use legwork::scenario::Scenario;
 use legwork::settings::{SETTINGS, Setting};
 use legwork::{library, scenario_file};
@@ -44,6 +45,14 @@ pub(crate) fn list(options: &ListArgs, output: &mut Output) -> Result<(), Failur
     if wanted(Listing::Settings) {
         object.insert("settings".into(), SETTINGS.iter().map(setting_json).collect());
         sections.push(("settings", SETTINGS.iter().map(setting_lines).collect()));
+    }
+    if wanted(Listing::Metrics) {
+        let [of_run, of_joint]: [Vec<Value>; 2] =
+            [METRICS.iter().map(metric_json).collect(), JOINT_METRICS.iter().map(metric_json).collect()];
+        object.insert("metrics".into(), of_run.into());
+        object.insert("joint_metrics".into(), of_joint.into());
+        sections.push(("metrics", METRICS.iter().map(metric_lines).collect()));
+        sections.push(("metrics of a joint", JOINT_METRICS.iter().map(metric_lines).collect()));
     }
     if options.json {
         return output.line(Value::Object(object));
@@ -103,6 +112,22 @@ fn setting_json(setting: &Setting) -> Value {
         "valid": setting.valid.to_string(),
         "source": setting.source,
         "help": setting.help,
+    })
+}
+
+fn metric_lines<Of>(metric: &Metric<Of>) -> String {
+    let unit = if metric.unit.is_empty() { String::new() } else { format!(" [{}]", metric.unit) };
+    let heading = format!("  {}: {}{unit}, {}", metric.name, metric.label, metric.kind());
+    [heading, format!("      {}", metric.help)].map(|line| folded(&line, 6)).join("\n")
+}
+
+fn metric_json<Of>(metric: &Metric<Of>) -> Value {
+    json!({
+        "name": metric.name,
+        "label": metric.label,
+        "unit": metric.unit,
+        "kind": metric.kind(),
+        "help": metric.help,
     })
 }
 

@@ -1,7 +1,7 @@
 //! What `run` prints of a run: a table for people, a JSON object for programs.
 
 use legwork::episode::{Outcome, Run};
-use legwork::metrics::MeanPeak;
+use legwork::metrics::{JOINT_METRICS, METRICS, Metric, Metrics, Value as Measured};
 use legwork::momentum::Condition;
 use legwork::scenario::Scenario;
 use legwork::scenario_file;
@@ -36,7 +36,8 @@ pub(crate) fn text(run: &Run) -> String {
     text += &line("", ["", "measured"], ["", "thesis"]);
     text += &line("", ["mean", "peak"], ["mean", "peak"]);
     for row in &rows {
-        let measured = [row.measured.map_or("none".into(), number), row.measured_peak.map_or(String::new(), number)];
+        let measured =
+            [row.measured.map_or("\u{2013}".into(), number), row.measured_peak.map_or(String::new(), number)];
         // As printed, without digits that the thesis does not give.
         let thesis = [row.published, row.published_peak].map(|value| value.map_or(String::new(), |v| v.to_string()));
         text += &line(&label(row), measured.each_ref().map(String::as_str), thesis.each_ref().map(String::as_str));
@@ -94,8 +95,7 @@ pub(crate) fn json(run: &Run) -> Value {
         Outcome::Fell(fall) => ("fell", Some(fall.time)),
         Outcome::Stopped => ("stopped", None),
     };
-    let pair = |figure: MeanPeak| json!({ "mean": figure.mean, "peak": figure.peak });
-    let (m, audit, qp) = (&run.metrics, &run.audit, &run.program);
+    let (audit, qp) = (&run.audit, &run.program);
     json!({
         "scenario": run.scenario.name,
         "outcome": outcome,
@@ -104,28 +104,7 @@ pub(crate) fn json(run: &Run) -> Value {
         "cause": run.diagnosis.as_ref().map(|diagnosis| diagnosis.cause.label()),
         "input_hash": format!("{:032x}", run.input_hash),
         "result_hash": format!("{:032x}", run.result_hash),
-        "metrics": {
-            "com_error_m": m.com_error_m.map(pair),
-            "com_error_vertical_m": m.com_error_vertical_m.map(pair),
-            "feet_error_m": pair(m.feet_error_m),
-            "torso_deviation_rad": pair(m.torso_deviation_rad),
-            "torque_nm": pair(m.torque_nm),
-            "grf_n": pair(m.grf_n),
-            "grf_simulated_n": pair(m.grf_simulated_n),
-            "u2_n2m2": pair(m.u2_n2m2),
-            "single_support_fraction": m.single_support_fraction,
-            "steps": m.steps,
-            "recovery_time_s": m.recovery_time_s.map(time),
-            "recovery_distance_m": m.recovery_distance_m,
-            "mean_speed_mps": m.mean_speed_mps,
-            "xcom_error_m": m.xcom_error_m.map(pair),
-            "xcom_margin_min_m": m.xcom_margin_min_m,
-            "xcom_outside_fraction": m.xcom_outside_fraction,
-            "cmp_offset_m": m.cmp_offset_m.map(pair),
-            "capture_steps": m.capture_steps,
-            "uncapturable_fraction": m.uncapturable_fraction,
-            "cost_of_transport": m.cost_of_transport,
-        },
+        "metrics": metrics(&run.metrics),
         "audit": {
             "energy_error_j": audit.energy_error_j,
             "work_j": audit.work_j,
@@ -158,6 +137,24 @@ pub(crate) fn json(run: &Run) -> Value {
             "real_time_factor": real_time_factor(run),
         },
     })
+}
+
+/// Every metric by its name, those of the joints by the joints' names; null where the run has none.
+fn metrics(metrics: &Metrics) -> Value {
+    let mut object = by_name(METRICS, metrics);
+    let joints = metrics.joints.iter().map(|joint| (joint.joint.clone(), by_name(JOINT_METRICS, joint)));
+    object["joints"] = Value::Object(joints.collect());
+    object
+}
+
+fn by_name<Of>(table: &[Metric<Of>], metrics: &Of) -> Value {
+    let value = |metric: &Metric<Of>| match metric.value {
+        Measured::Pair(pair) => json!(pair(metrics).map(|pair| json!({ "mean": pair.mean, "peak": pair.peak }))),
+        Measured::Number(number) if metric.unit == "s" => json!(number(metrics).map(time)),
+        Measured::Number(number) => json!(number(metrics)),
+        Measured::Count(count) => json!(count(metrics)),
+    };
+    Value::Object(table.iter().map(|metric| (metric.name.to_owned(), value(metric))).collect())
 }
 
 /// What contradicts each other in an infeasible program.

@@ -87,8 +87,8 @@ type Row = (&'static str, usize, fn(&Walk) -> Option<f64>);
 /// The figures that are no joint's.
 const ROWS: [Row; 7] = [
     ("mean speed [m/s]", 3, |f| Some(f.mean_speed_mps)),
-    ("u\u{b2}, mean [N\u{b2}m\u{b2}]", 0, |f| Some(f.u2_n2m2)),
-    ("single support", 2, |f| Some(f.single_support_fraction)),
+    ("u\u{b2}, mean [N\u{b2}m\u{b2}]", 0, |f| f.u2_n2m2),
+    ("single support", 2, |f| f.single_support_fraction),
     ("cost of transport", 2, |f| f.cost_of_transport),
     ("XcoM error, mean [mm]", 1, |f| f.xcom_error_mean_m.map(|error| 1e3 * error)),
     ("XcoM error, peak [mm]", 1, |f| f.xcom_error_peak_m.map(|error| 1e3 * error)),

@@ -57,9 +57,9 @@ pub struct Figures {
     /// Torques by the kind of joint, right and left together.
     pub joints: Vec<JointTorque>,
     /// Mean of the sum of the squared torques [N²m²].
-    pub u2_n2m2: f64,
+    pub u2_n2m2: Option<f64>,
     /// Share of the time in which a foot swings.
-    pub single_support_fraction: f64,
+    pub single_support_fraction: Option<f64>,
     /// Work of the joints, both signs counted, a weight and a metre of the way.
     pub cost_of_transport: Option<f64>,
     /// Mean distance of the XcoM from its reference [m].
@@ -116,7 +116,7 @@ fn figures(run: &Run, used: &Use) -> Figures {
     Figures {
         mean_speed_mps: metrics.mean_speed_mps,
         joints: joints(used),
-        u2_n2m2: metrics.u2_n2m2.mean,
+        u2_n2m2: metrics.u2_n2m2.map(|u2| u2.mean),
         single_support_fraction: metrics.single_support_fraction,
         cost_of_transport: metrics.cost_of_transport,
         xcom_error_mean_m: xcom(|error| error.mean),

@@ -8,7 +8,7 @@ use crate::Variant;
 use legwork::clock;
 use legwork::episode::{self, Outcome, Parts, Run};
 use legwork::error::Error;
-use legwork::metrics::{FIGURES, JOINT_FIGURES, Metrics};
+use legwork::metrics::{FIGURES, JOINT_METRICS, Metrics};
 
 /// How a rollout ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -123,13 +123,9 @@ pub fn simulate(variant: &Variant, stop: impl Fn() -> bool) -> Result<Run, Error
 
 /// The figures of a run in the order of [`columns`].
 pub fn figures(metrics: &Metrics) -> Vec<Option<f64>> {
-    let joints = metrics.joints.iter().flat_map(|joint| JOINT_FIGURES.iter().map(|(_, _, _, of)| Some(of(joint))));
-    FIGURES
-        .iter()
-        .map(|figure| (figure.of)(metrics))
-        .chain(joints)
-        .map(|value| value.filter(|v| v.is_finite()))
-        .collect()
+    let joints = metrics.joints.iter().flat_map(|joint| JOINT_METRICS.iter().map(|metric| metric.of(joint)[0]));
+    let figures = FIGURES.iter().map(|figure| figure.of(metrics)).chain(joints);
+    figures.map(|value| value.filter(|v| v.is_finite())).collect()
 }
 
 /// A column of a table of rollouts: `com_error_m.mean`, `joint.right_hip.torque_peak_nm`.
@@ -145,20 +141,17 @@ pub struct Column {
 
 /// The columns of a rollout's figures; `joints` are the names of the actuated joints.
 pub fn columns<'a>(joints: impl IntoIterator<Item = &'a str>) -> Vec<Column> {
-    let one = |name: &str, label: String, unit| Column { name: name.to_owned(), label, unit };
-    let mut columns: Vec<Column> = FIGURES
-        .iter()
-        .map(|figure| {
-            let kind = figure.name.split_once('.').map_or("", |(_, kind)| kind);
-            let space = if kind.is_empty() { "" } else { " " };
-            one(figure.name, format!("{kind}{space}{}", figure.label), figure.unit)
+    let of_run = FIGURES.iter().map(|figure| Column {
+        name: figure.name.clone(),
+        label: figure.label.clone(),
+        unit: figure.unit,
+    });
+    let of_joints = joints.into_iter().flat_map(|joint| {
+        JOINT_METRICS.iter().map(move |metric| Column {
+            name: format!("joint.{joint}.{}", metric.name),
+            label: format!("{}, {}", metric.label, joint.replace('_', " ")),
+            unit: metric.unit,
         })
-        .collect();
-    for joint in joints {
-        for (key, label, unit, _) in JOINT_FIGURES {
-            let words = format!("{label}, {}", joint.replace('_', " "));
-            columns.push(one(&format!("joint.{joint}.{key}"), words, unit));
-        }
-    }
-    columns
+    });
+    of_run.chain(of_joints).collect()
 }

@@ -90,7 +90,7 @@ fn a_rollout_is_the_run_of_its_settings() {
     assert_eq!(rollout.input_hash, format!("{:032x}", run.input_hash));
     let columns = study.columns();
     let figure = |name: &str| rollout.figures[columns.iter().position(|column| column.name == name).expect("a figure")];
-    assert_eq!(figure("torque_nm.mean"), Some(run.metrics.torque_nm.mean));
+    assert_eq!(figure("torque_nm.mean"), Some(run.metrics.torque_nm.expect("it is measured").mean));
     assert_eq!(figure("joint.left_knee.power_peak_w"), Some(run.metrics.joints[3].power_peak_w));
     assert_eq!(figure("recovery_time_s"), None);
 }

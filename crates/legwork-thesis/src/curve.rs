@@ -5,7 +5,7 @@ use std::fmt::Display;
 use super::statistics::{spearman, spread, straightness};
 use super::sweep::{Sweep, Tried};
 use super::terms::{Check, DIMINISHED, FEWEST, POOR, STRAIGHT, TREND, VISIBLE};
-use super::words::{self, digits, with_unit};
+use super::words::{digits, with_unit};
 use legwork::metrics::Figure;
 
 /// A figure over some levels of a sweep.
@@ -30,11 +30,11 @@ impl<'a> Curve<'a> {
 
     /// Levels and values where the robot stands.
     fn points(&self) -> (Vec<f64>, Vec<f64>) {
-        self.tried.iter().filter_map(|tried| Some((tried.level, tried.figure(self.figure.name)?))).unzip()
+        self.tried.iter().filter_map(|tried| Some((tried.level, tried.figure(&self.figure.name)?))).unzip()
     }
 
     fn own(&self) -> Option<f64> {
-        self.sweep.at_marked().figure(self.figure.name)
+        self.sweep.at_marked().figure(&self.figure.name)
     }
 
     /// It and where it goes, in words: `walk: mean feet error 0.0026 m at 200 Nm, 0.0018 m at 500 Nm`.
@@ -48,7 +48,7 @@ impl<'a> Curve<'a> {
             1 => at(0),
             last => format!("{}, {}", at(0), at(last - 1)),
         };
-        format!("{}: {} {path}", self.sweep.case.experiment.name(), words::figure(self.figure))
+        format!("{}: {} {path}", self.sweep.case.experiment.name(), self.figure.label)
     }
 
     /// What `judge` says of levels and values, where the robot stands at enough levels.

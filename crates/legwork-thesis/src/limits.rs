@@ -163,7 +163,7 @@ pub(crate) fn of_runs<'a>(run: impl Fn(Case) -> &'a Run) -> Vec<LimitRow> {
     let row = |limit: &'static OfRuns| {
         let figure = definition(&limit.figure);
         let measured = |reading| {
-            let value = (figure.of)(&run(Case::new(reading, limit.experiment, Gains::Final)).metrics);
+            let value = figure.of(&run(Case::new(reading, limit.experiment, Gains::Final)).metrics);
             Measured { reading, value, first_failure: None, reason: None, furthest_held: None }
         };
         LimitRow {

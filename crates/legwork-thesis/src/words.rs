@@ -2,8 +2,6 @@
 
 use std::fmt::Display;
 
-use legwork::metrics::Figure;
-
 /// Three significant digits, as short as they are.
 pub fn digits(value: f64) -> String {
     let size = value.abs();
@@ -46,11 +44,6 @@ pub(crate) fn list(parts: &[String]) -> String {
         [one] => one.clone(),
         [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
-}
-
-/// A figure as `mean feet error`.
-pub(crate) fn figure(figure: &Figure) -> String {
-    figure.name.rsplit_once('.').map_or(String::new(), |(_, kind)| format!("{kind} ")) + figure.label
 }
 
 /// The text with each `{name}` replaced.

@@ -7,6 +7,7 @@
 use std::io::{self, Write};
 
 use legwork::episode::{self, Outcome, Run};
+use legwork::metrics::FIGURES;
 use legwork::settings::{SETTINGS, Setting, Valid};
 use legwork::{library, scenario_file};
 use legwork_rbd::Model;
@@ -16,6 +17,20 @@ use rand_pcg::Pcg64Mcg;
 
 const DRAWS: u64 = 200;
 const DEVIATION: f64 = 0.02;
+const SHOWN: [&str; 12] = [
+    "com_error_m.mean",
+    "com_error_m.peak",
+    "com_error_vertical_m.peak",
+    "feet_error_m.mean",
+    "feet_error_m.peak",
+    "torso_deviation_rad.peak",
+    "torque_nm.mean",
+    "grf_n.mean",
+    "u2_n2m2.mean",
+    "single_support_fraction",
+    "recovery_time_s",
+    "recovery_distance_m",
+];
 
 fn main() -> io::Result<()> {
     let share: f64 = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(DEVIATION);
@@ -24,26 +39,16 @@ fn main() -> io::Result<()> {
         let runs: Vec<Option<Run>> = (0..DRAWS).map(|draw| perturbed(name, draw, share)).collect();
         let good: Vec<&Run> = runs.iter().flatten().filter(|run| recovered(run)).collect();
         writeln!(out, "{name}: {} of {DRAWS} stood (and recovered, where pushed), {share} of spread", good.len())?;
-        let mut row = |label: &str, get: &dyn Fn(&Run) -> f64| {
-            let mut values: Vec<f64> = good.iter().map(|run| get(run)).collect();
+        for figure in FIGURES.iter().filter(|figure| SHOWN.contains(&figure.name.as_str())) {
+            let mut values: Vec<f64> = good.iter().filter_map(|run| figure.of(&run.metrics)).collect();
+            if name.starts_with("walk") && figure.name.starts_with("recovery") {
+                continue;
+            }
             values.sort_by(f64::total_cmp);
             let at = |share: f64| values.get((share * (values.len() as f64 - 1.0)).round() as usize).copied();
             let [low, middle, high] = [0.05, 0.5, 0.95].map(|share| at(share).unwrap_or(f64::NAN));
-            writeln!(out, "  {label:<28} 5 % {low:>10.4}   median {middle:>10.4}   95 % {high:>10.4}")
-        };
-        row("CoM error, mean [m]", &|run| run.metrics.com_error_m.map_or(f64::NAN, |error| error.mean))?;
-        row("CoM error, peak [m]", &|run| run.metrics.com_error_m.map_or(f64::NAN, |error| error.peak))?;
-        row("vertical, peak [m]", &|run| run.metrics.com_error_vertical_m.map_or(f64::NAN, |error| error.peak))?;
-        row("torso deviation, peak [rad]", &|run| run.metrics.torso_deviation_rad.peak)?;
-        row("feet error, mean [m]", &|run| run.metrics.feet_error_m.mean)?;
-        row("feet error, peak [m]", &|run| run.metrics.feet_error_m.peak)?;
-        row("torque, mean [Nm]", &|run| run.metrics.torque_nm.mean)?;
-        row("force, mean [N]", &|run| run.metrics.grf_n.mean)?;
-        row("u2, mean [N2m2]", &|run| run.metrics.u2_n2m2.mean)?;
-        row("single support", &|run| run.metrics.single_support_fraction)?;
-        if !name.starts_with("walk") {
-            row("recovery time [s]", &|run| run.metrics.recovery_time_s.unwrap_or(f64::NAN))?;
-            row("recovery distance [m]", &|run| run.metrics.recovery_distance_m.unwrap_or(f64::NAN))?;
+            let label = format!("{} [{}]", figure.label, figure.unit);
+            writeln!(out, "  {label:<28} 5 % {low:>10.4}   median {middle:>10.4}   95 % {high:>10.4}")?;
         }
     }
     Ok(())

@@ -35,17 +35,18 @@ fn main() -> io::Result<()> {
                 let model = library::load_model(&scenario.model, None).expect("a built-in model");
                 let run = episode::run(&scenario, &model, &[], |_| false).expect("it can start");
                 let (m, audit) = (&run.metrics, &run.audit);
-                let com_error = m.com_error_m.unwrap_or_default();
+                let [com_error, feet_error, torque, u2, force] =
+                    [m.com_error_m, m.feet_error_m, m.torque_nm, m.u2_n2m2, m.grf_n].map(Option::unwrap_or_default);
                 writeln!(
                     out,
                     "  {:>8} {:>10.5} {:>10.4} {:>10.6} {:>10.3} {:>10.0} {:>10.2} {:>12.5} {:>12.4} {:>12.4}{}",
                     scenario.simulation.period_s * 1e3,
                     com_error.mean,
                     com_error.peak,
-                    m.feet_error_m.mean,
-                    m.torque_nm.mean,
-                    m.u2_n2m2.mean,
-                    m.grf_n.mean,
+                    feet_error.mean,
+                    torque.mean,
+                    u2.mean,
+                    force.mean,
                     audit.energy_error_j,
                     audit.momentum_error_mps * 1e3,
                     audit.penetration_m * 1e3,

@@ -15,7 +15,7 @@ use crate::error::Error;
 use crate::feet::FeetMotion;
 use crate::generator::{Generator, check_model};
 use crate::log::Log;
-use crate::metrics::{self, Metrics};
+use crate::metrics::{Measuring, Metrics};
 use crate::momentum::{Condition, Fallback, Limit, Task};
 use crate::record;
 use crate::scenario::{ControllerKind, Scenario};
@@ -163,6 +163,7 @@ pub struct Episode {
     record: Vec<f64>,
     log: Log,
     meter: Meter,
+    measuring: Measuring,
     /// The measures of balance in the record of the tick before.
     balance_before: Vec<f64>,
     input_hash: u128,
@@ -242,6 +243,7 @@ impl Episode {
             record: vec![0.0; columns.width()],
             balance_before: vec![0.0; columns.range(Field::Balance).len()],
             meter,
+            measuring: Measuring::new(scenario, &model, &columns),
             log,
             result: record::Hasher::new(&columns),
             columns,
@@ -353,6 +355,7 @@ impl Episode {
             self.write_down_balance(&before);
         }
         self.log.push(&self.record);
+        self.measuring.take(&self.record);
         self.result.add(&self.record);
         match &mut self.sink {
             Some(sink) => sink.record(&self.columns, &self.record),
@@ -401,6 +404,7 @@ impl Episode {
         self.ground = ground;
         self.input_hash = record::changed(self.input_hash, self.tick, path, value);
         self.meter = Meter::new(&scenario, &self.model);
+        self.measuring.change(&scenario, &self.model);
         self.scenario = scenario;
         Ok(())
     }
@@ -481,7 +485,7 @@ impl Episode {
         });
         program.iterations_mean = self.iterations as f64 / self.tick.max(1) as f64;
         Ok(Run {
-            metrics: metrics::measure(&self.scenario, &self.model, &self.log),
+            metrics: self.measuring.finish(),
             audit: self.plant.audit().cloned().unwrap_or_default(),
             program,
             timing: Timing { ticks_s: self.tick_times, wall_s },

@@ -24,6 +24,7 @@ pub mod library;
 pub mod log;
 #[cfg(feature = "files")]
 pub mod log_file;
+mod measuring;
 pub mod metrics;
 mod record;
 pub mod recording;

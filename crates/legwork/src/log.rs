@@ -89,11 +89,7 @@ impl Log {
 
     /// Place of a foot in record `index`, the centre of its contact points, along the linear axes [m].
     pub fn foot(&self, index: usize, foot: usize) -> impl Iterator<Item = f64> + '_ {
-        let axes = self.range(Field::Com).len();
-        let points = self.get(index, Field::Feet);
-        let contacts = move || (0..self.foot_of.len()).filter(move |&contact| self.foot_of[contact] == foot);
-        let share = 1.0 / contacts().count() as f64;
-        (0..axes).map(move |axis| share * contacts().map(|contact| points[contact * axes + axis]).sum::<f64>())
+        middle(self.get(index, Field::Feet), self.range(Field::Com).len(), &self.foot_of, foot)
     }
 
     /// What an ideal sensor tells the controller at record `index`.
@@ -124,4 +120,16 @@ impl Log {
     pub fn column(&self, index: usize) -> impl Iterator<Item = f64> + Clone + '_ {
         self.records().map(move |record| record[index])
     }
+}
+
+/// The middle of the contact points of a foot, along `axes` axes: `points` one after the other, `foot_of` the foot of each.
+pub(crate) fn middle<'a>(
+    points: &'a [f64],
+    axes: usize,
+    foot_of: &'a [usize],
+    foot: usize,
+) -> impl Iterator<Item = f64> + 'a {
+    let contacts = move || (0..foot_of.len()).filter(move |&contact| foot_of[contact] == foot);
+    let share = 1.0 / contacts().count() as f64;
+    (0..axes).map(move |axis| share * contacts().map(|contact| points[contact * axes + axis]).sum::<f64>())
 }

@@ -28,13 +28,13 @@ fn walks(run: &Run) {
     within("CoM error, mean", com_error_m.mean, 0.0, 0.013);
     let late = (0..run.log.len()).filter(|&i| run.log.time(i) >= 2.0);
     within("CoM error after 2 s, peak", late.map(|i| com_error(&run.log, i)).fold(0.0, f64::max), 0.0, 0.028);
-    within("feet error, mean", m.feet_error_m.mean, 0.0, 1.8e-3);
-    within("feet error, peak", m.feet_error_m.peak, 0.0, 0.034);
-    around("torque, mean", m.torque_nm.mean, 69.6, 0.03);
-    within("torque, peak", m.torque_nm.peak, 0.0, 220.0);
-    around("force, mean", m.grf_n.mean, 356.0, 0.02);
-    around("u2, mean", m.u2_n2m2.mean, 3.0e4, 0.05);
-    within("single support", m.single_support_fraction, 0.31, 0.39);
+    within("feet error, mean", m.feet_error_m.expect("it is measured").mean, 0.0, 1.8e-3);
+    within("feet error, peak", m.feet_error_m.expect("it is measured").peak, 0.0, 0.034);
+    around("torque, mean", m.torque_nm.expect("it is measured").mean, 69.6, 0.03);
+    within("torque, peak", m.torque_nm.expect("it is measured").peak, 0.0, 220.0);
+    around("force, mean", m.grf_n.expect("it is measured").mean, 356.0, 0.02);
+    around("u2, mean", m.u2_n2m2.expect("it is measured").mean, 3.0e4, 0.05);
+    within("single support", m.single_support_fraction.expect("it is measured"), 0.31, 0.39);
     within("mean speed", m.mean_speed_mps, 0.49, 0.51);
 }
 
@@ -45,12 +45,12 @@ fn recovers(run: &Run) {
     let com_error_m = m.com_error_m.expect("it lasts");
     within("CoM error, mean", com_error_m.mean, 0.0, 0.50);
     within("CoM error, peak", com_error_m.peak, 0.0, 1.2);
-    within("feet error, mean", m.feet_error_m.mean, 0.0, 1.8e-3);
-    within("feet error, peak", m.feet_error_m.peak, 0.0, 0.06);
-    around("torque, mean", m.torque_nm.mean, 59.6, 0.10);
-    within("torque, peak", m.torque_nm.peak, 0.0, 220.0);
-    around("force, mean", m.grf_n.mean, 362.0, 0.03);
-    around("u2, mean", m.u2_n2m2.mean, 2.8e4, 0.15);
+    within("feet error, mean", m.feet_error_m.expect("it is measured").mean, 0.0, 1.8e-3);
+    within("feet error, peak", m.feet_error_m.expect("it is measured").peak, 0.0, 0.06);
+    around("torque, mean", m.torque_nm.expect("it is measured").mean, 59.6, 0.10);
+    within("torque, peak", m.torque_nm.expect("it is measured").peak, 0.0, 220.0);
+    around("force, mean", m.grf_n.expect("it is measured").mean, 362.0, 0.03);
+    around("u2, mean", m.u2_n2m2.expect("it is measured").mean, 2.8e4, 0.15);
     within("recovery time", m.recovery_time_s.expect("it recovers"), 3.6, 4.8);
     within("CoM error at the end", com_error(&run.log, run.log.len() - 1), 0.0, 0.05);
 }
@@ -70,14 +70,19 @@ fn the_push_is_table_6_5() {
 fn a_least_base_of_support_comes_closer_to_the_push() {
     let walk = common::run("walk-support", &[]);
     walks(&walk);
-    around("torso deviation of the walk, peak", walk.metrics.torso_deviation_rad.peak, 0.058, 0.10);
+    around(
+        "torso deviation of the walk, peak",
+        walk.metrics.torso_deviation_rad.expect("it is measured").peak,
+        0.058,
+        0.10,
+    );
     let push = common::run("push-support", &[]);
     recovers(&push);
     let m = &push.metrics;
     around("CoM error, peak", m.com_error_m.expect("it lasts").peak, 0.85, 0.05);
     within("vertical CoM error, peak", m.com_error_vertical_m.expect("it lasts").peak, 0.0, 0.028);
-    around("torso deviation, peak", m.torso_deviation_rad.peak, 0.058, 0.05);
-    around("u2, mean", m.u2_n2m2.mean, 2.8e4, 0.05);
+    around("torso deviation, peak", m.torso_deviation_rad.expect("it is measured").peak, 0.058, 0.05);
+    around("u2, mean", m.u2_n2m2.expect("it is measured").mean, 2.8e4, 0.05);
 }
 
 #[test]
@@ -90,7 +95,7 @@ fn replanning_in_the_swing_halves_the_way() {
 #[test]
 fn the_push_takes_steps_and_the_reference_comes_to_rest() {
     let run = common::run("push", &[]);
-    assert!(run.metrics.steps >= 3, "only {} steps", run.metrics.steps);
+    assert!(run.metrics.steps >= Some(3), "only {:?} steps", run.metrics.steps);
     let last = run.log.len() - 1;
     assert!(run.log.get(last, Field::Swing)[0] < 0.0);
 }

@@ -1,5 +1,7 @@
 //! The contract of `run --json`: every key, its type, and null where there is nothing.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Value, json};
 
 use crate::Folder;
@@ -20,6 +22,13 @@ fn shape(value: &Value) -> Value {
 /// The shape of a run that stood and was not pushed.
 fn contract() -> Value {
     let pair = json!({ "mean": "number", "peak": "number" });
+    let joint = json!({
+        "torque_peak_nm": "number",
+        "torque_rms_nm": "number",
+        "speed_peak_radps": "number",
+        "power_peak_w": "number",
+        "power_mean_w": "number",
+    });
     json!({
         "scenario": "text",
         "outcome": "text",
@@ -42,6 +51,8 @@ fn contract() -> Value {
             "recovery_time_s": "null",
             "recovery_distance_m": "null",
             "mean_speed_mps": "number",
+            "steady_speed_mps": "null",
+            "steady_com_error_m": "null",
             "xcom_error_m": pair,
             "xcom_margin_min_m": "number",
             "xcom_outside_fraction": "number",
@@ -49,6 +60,7 @@ fn contract() -> Value {
             "capture_steps": "count",
             "uncapturable_fraction": "number",
             "cost_of_transport": "null",
+            "joints": { "right_hip": joint, "right_knee": joint, "left_hip": joint, "left_knee": joint },
         },
         "audit": {
             "energy_error_j": "number",
@@ -93,7 +105,9 @@ fn a_line_a_scenario_with_every_key() {
     for line in &lines {
         let mut expected = contract();
         if line["scenario"] == "walk" {
-            expected["metrics"]["cost_of_transport"] = json!("number");
+            for name in ["cost_of_transport", "steady_speed_mps", "steady_com_error_m"] {
+                expected["metrics"][name] = json!("number");
+            }
         }
         assert_eq!(shape(line), expected);
         assert_eq!(line["outcome"], "completed");
@@ -105,6 +119,24 @@ fn a_line_a_scenario_with_every_key() {
         }
     }
     assert!(lines[0]["qp"]["solves"].as_u64().is_some_and(|solves| solves >= 500));
+}
+
+/// What is listed is what a run has.
+#[test]
+fn every_metric_that_is_listed_is_in_the_run() {
+    let folder = Folder::new("listed-metrics");
+    let listed = &folder.json(&["list", "metrics", "--json"])[0];
+    let run = &folder.json(&["run", "stand", "--duration", "0.02", "--json"])[0];
+    let names = |table: &str| -> Vec<String> {
+        let metrics = listed[table].as_array().expect("a list").iter();
+        metrics.map(|metric| metric["name"].as_str().expect("a name").to_owned()).collect()
+    };
+    let keys = |value: &Value| value.as_object().expect("an object").keys().cloned().collect::<BTreeSet<_>>();
+    let with_joints = names("metrics").into_iter().chain(["joints".to_owned()]).collect();
+    assert_eq!(keys(&run["metrics"]), with_joints);
+    assert_eq!(keys(&run["metrics"]["joints"]["left_knee"]), names("joint_metrics").into_iter().collect());
+    // The CoM error counts from 0.4 s on.
+    assert_eq!(run["metrics"]["com_error_m"], Value::Null);
 }
 
 #[test]

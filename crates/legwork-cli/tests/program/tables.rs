@@ -46,7 +46,7 @@ fn numbers_stand_under_their_headings() {
     let end = |line: &str| line.chars().count();
     let heading = done.out.lines().find(|line| line.trim_start().starts_with("mean")).expect("a heading");
     let measured = heading.find("peak").unwrap() + 4;
-    for label in ["ground reaction force, simulated [N]", "steps"] {
+    for label in ["simulated ground reaction force [N]", "steps"] {
         let line = done.out.lines().find(|line| line.trim_start().starts_with(label)).expect("a row");
         let column = if label == "steps" { heading.find("mean").unwrap() + 4 } else { measured };
         assert_eq!(end(line), column, "{heading}\n{line}");
@@ -62,7 +62,7 @@ fn a_fall_comes_first_and_changed_settings_are_told() {
     assert!(done.out.contains("the thesis's figures are for the built-in scenario, not for these settings"));
     assert_fits(&done.out);
     let row = done.out.lines().find(|line| line.contains("recovery time")).unwrap();
-    assert_eq!(row.split_whitespace().collect::<Vec<_>>().join(" "), "recovery time [s] none 4.2");
+    assert_eq!(row.split_whitespace().collect::<Vec<_>>().join(" "), "recovery time [s] \u{2013} 4.2");
 
     let done = folder.legwork(&["run", "walk-slope", "--duration", "0.2"]).succeeds();
     assert!(!done.out.contains("thesis"), "nothing is published of it: {}", done.out);

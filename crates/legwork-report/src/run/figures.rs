@@ -309,9 +309,10 @@ impl<'a> Charts<'a> {
         let several = model.contacts.len() > model.feet.len();
         let whole =
             if several { "A line is the force of a whole foot, of all its contact points together. " } else { "" };
-        let peak = self.run.metrics.grf_simulated_n.peak;
+        let [peak, asked_peak] =
+            [self.run.metrics.grf_simulated_n, self.run.metrics.grf_n].map(|force| force.unwrap_or_default().peak);
         let point = if several { " on one contact point" } else { "" };
-        let cut = if peak > self.run.metrics.grf_n.peak {
+        let cut = if peak > asked_peak {
             format!(" (the largest force{point} is {} N)", number(peak.round()))
         } else {
             String::new()

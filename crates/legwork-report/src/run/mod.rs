@@ -140,7 +140,9 @@ fn head(run: &Run) -> Markup {
                 } " "
                 span { "model " b { (scenario.model) } } " "
                 span { b { (number(model.total_mass())) " kg" } } " "
-                span { b { (run.metrics.steps) } " steps" } " "
+                @if let Some(steps) = run.metrics.steps {
+                    span { b { (steps) } " steps" } " "
+                }
                 span { "friction " b { (scenario.ground.friction) } } " "
                 span { "slope " b { (scenario.ground.slope_deg) "\u{b0}" } } " "
                 @for push in &scenario.pushes {

@@ -83,9 +83,9 @@ pub(super) fn overview(runs: &[Run]) -> Markup {
                             th scope="row" { a href={ "#run-" (index + 1) } { (run.scenario.name) } }
                             td.left { (badge(run)) }
                             td { (optional(m.com_error_m.map(|error| error.mean))) }
-                            td { (number(m.feet_error_m.mean)) }
-                            td { (number(m.torque_nm.mean)) }
-                            td { (m.steps) }
+                            td { (optional(m.feet_error_m.map(|error| error.mean))) }
+                            td { (optional(m.torque_nm.map(|torque| torque.mean))) }
+                            td { (optional(m.steps.map(f64::from))) }
                             td { (optional(m.recovery_time_s)) }
                             td { (tick_label(m.mean_speed_mps, 0.01)) }
                         }

@@ -67,11 +67,11 @@ const JUDGES: &[(&str, Judge)] = &[
     ("is less than the baseline's", |a| a.figures(|figure| gain(a, figure)).concat()),
     ("is no less than the baseline's", |a| a.figures(|figure| no_gain(a, figure))),
     ("steps", |a| {
-        let steps = a.run().metrics.steps;
+        let steps = a.run().metrics.steps.unwrap_or(0);
         vec![Check::new(f64::from(steps) >= a.part.published, format!("{steps} steps"))]
     }),
     ("share of single support", |a| {
-        let share = a.run().metrics.single_support_fraction;
+        let share = a.run().metrics.single_support_fraction.unwrap_or(0.0);
         vec![Check::new((share - a.part.published).abs() <= a.part.within, percent(share))]
     }),
     ("recovery ends", |a| {
@@ -94,8 +94,9 @@ const JUDGES: &[(&str, Judge)] = &[
         let (run, metrics) = (a.run(), &a.run().metrics);
         let time = metrics.recovery_time_s;
         let after = time.map_or("not".to_owned(), |time| format!("after {}", with_unit(time, "s")));
-        let recovered = run.reason.is_none() && metrics.steps > 0 && time.is_some();
-        vec![a.check(recovered, format!("recovered {after}, {} steps", metrics.steps))]
+        let steps = metrics.steps.unwrap_or(0);
+        let recovered = run.reason.is_none() && steps > 0 && time.is_some();
+        vec![a.check(recovered, format!("recovered {after}, {steps} steps"))]
     }),
     ("poor before falls", |a| vec![a.check_of(poor_before_falls(a))]),
     ("slows", |a| vec![a.check_of(slows(a))]),
@@ -176,9 +177,9 @@ fn falls_at(sweep: &Sweep, level: Option<&Tried>) -> Check {
 
 /// An error against the published one, which it may be less than.
 fn error_is_met(a: &Asked, figure: &Figure) -> Check {
-    let (measured, published) = ((figure.of)(&a.run().metrics).unwrap_or(0.0), a.part.published);
+    let (measured, published) = (figure.of(&a.run().metrics).unwrap_or(0.0), a.part.published);
     let [ours, theirs] = [measured, published].map(|value| with_unit(value, figure.unit));
-    let finding = format!("{} {ours}, published {theirs}", crate::words::figure(figure));
+    let finding = format!("{} {ours}, published {theirs}", figure.label);
     Check::new(measured <= (1.0 + MET) * published, finding)
 }
 
@@ -197,9 +198,9 @@ fn limit_is_met(a: &Asked) -> Vec<Check> {
 /// A figure of the baseline and of the final design, and what these say.
 fn change(a: &Asked, figure: &Figure) -> Option<(f64, String)> {
     let runs = [a.evidence.baseline_run(a.reading, a.experiment), a.run()];
-    let [old, new] = runs.map(|run| (figure.of)(&run.metrics));
+    let [old, new] = runs.map(|run| figure.of(&run.metrics));
     let (old, new) = (old?, new?);
-    let words = format!("{} {} instead of {}", crate::words::figure(figure), digits(new), digits(old));
+    let words = format!("{} {} instead of {}", figure.label, digits(new), digits(old));
     Some((new / old, words))
 }
 
@@ -209,7 +210,7 @@ fn gain(a: &Asked, figure: &Figure) -> Vec<Check> {
         return vec![Check::new(false, "the baseline or the final design falls, so that nothing can be compared")];
     }
     let Some((ratio, words)) = change(a, figure) else {
-        return vec![Check::new(false, format!("{}: none", crate::words::figure(figure)))];
+        return vec![Check::new(false, format!("{}: none", figure.label))];
     };
     let (gain, published) = (1.0 - ratio, a.part.published);
     let finding = format!("{words}: {:+.1} %", -100.0 * gain);

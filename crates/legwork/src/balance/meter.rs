@@ -96,13 +96,13 @@ impl Meter {
         let points = get(Field::Feet).chunks_exact(axes).map(planar);
         let forces = get(Field::GrfSimulated).chunks_exact(axes).map(planar);
         let force = forces.clone().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]);
-        let wanted = Centroidal::of_rows(get(Field::MomentumRateGoal));
-        let wanted = wanted.of_ground(self.weight, &Centroidal::default());
+        let wanted = Some(get(Field::MomentumRateGoal)).filter(|rows| !rows.is_empty()).map(Centroidal::of_rows);
+        let wanted = wanted.map(|rate| rate.of_ground(self.weight, &Centroidal::default()));
         let omega = eigenfrequency(self.gravity, com[1] - ground.at(com[0]));
         Measures {
             cop: centre_of_pressure(&ground, self.weight, points.zip(forces)),
             cmp: centroidal_moment_pivot(&ground, self.weight, com, force),
-            wanted_zmp: zero_moment_point(&ground, self.weight, com, &wanted),
+            wanted_zmp: wanted.and_then(|wanted| zero_moment_point(&ground, self.weight, com, &wanted)),
             xcom: xcom(com[0], get(Field::ComVelocity)[0], omega),
             capture: self.capture(get, omega),
         }
@@ -158,14 +158,16 @@ impl Meter {
         zmps
     }
 
-    /// Where the XcoM should be in record `index` [m]: as the walker plans it, else as the CoM's reference has it.
-    pub fn xcom_reference(&self, log: &Log, index: usize) -> f64 {
-        if let Some(reference) = log.get(index, Field::Balance).get(1) {
-            return *reference;
+    /// Where the XcoM should be in a record whose values are those that `get` gives [m]: as the walker plans it, else as the CoM's
+    /// reference has it; none without a reference. Allocates nothing.
+    pub fn xcom_reference<'a>(&self, get: impl Fn(Field) -> &'a [f64]) -> Option<f64> {
+        if let Some(reference) = get(Field::Balance).get(1) {
+            return Some(*reference);
         }
-        let (axes, com) = (log.range(Field::Com).len(), log.get(index, Field::ComReference));
-        let omega = eigenfrequency(self.gravity, com[axes - 1] - self.believed.height_at(com[0]));
-        xcom(com[0], com[axes], omega)
+        let (axes, com) = (get(Field::Com).len(), get(Field::ComReference));
+        let place = com.get(..=axes)?;
+        let omega = eigenfrequency(self.gravity, place[axes - 1] - self.believed.height_at(place[0]));
+        Some(xcom(place[0], place[axes], omega))
     }
 }
 
