@@ -12,11 +12,11 @@ use legwork_rbd::{Dynamics, Model};
 use crate::actuators::Actuators;
 use crate::audit::{self, Audit};
 use crate::contact_solver::Report;
+use crate::elastic::Elastic;
 use crate::plant::{Health, Plant};
 use crate::push::Pushes;
 use crate::settings::{Integrator, Push, SimulationSettings};
 use crate::velocity::VelocityStep;
-use crate::elastic::Elastic;
 
 /// The simulated robot and its ground.
 #[derive(Clone, Debug)]
@@ -125,7 +125,7 @@ impl Simulator {
             model,
         };
         body.state.update(&body.model, &body.q, &body.v);
-        body.audit.begin(&body.state, body.model.total_mass());
+        body.audit.begin(&body.model, &body.state);
         match &mut velocity {
             Velocity::Planar(velocity) => body.check_springs(velocity)?,
             Velocity::Spatial(velocity) => body.check_springs(velocity)?,
