@@ -3,7 +3,7 @@
 //! Energy is held against the work of all forces, the linear momentum against their impulses; penetration, friction
 //! cone, slip and the contact solver's residual are watched in every step.
 
-use legwork_rbd::Dynamics;
+use legwork_rbd::{Base, Dynamics, Model};
 use nalgebra::Vector3;
 
 use super::contact_solver::Report;
@@ -35,6 +35,8 @@ pub struct Audit {
     pub contact_residual_n: f64,
     /// Stiffness of the springs and stops that acted at joints, as the largest share of what the time step can bear.
     pub stiffness_share: f64,
+    /// Whether the world holds the robot's root link, with impulses that nobody knows.
+    bolted: bool,
     mass: f64,
     energy_at_start: f64,
     work: f64,
@@ -66,9 +68,10 @@ pub struct Step<'a> {
 }
 
 impl Audit {
-    /// Opens the books in the state of `dynamics`.
-    pub(super) fn begin(&mut self, dynamics: &Dynamics, mass: f64) {
-        self.mass = mass;
+    /// Opens the books of `model` in the state of `dynamics`.
+    pub(super) fn begin(&mut self, model: &Model, dynamics: &Dynamics) {
+        self.bolted = model.base == Base::Fixed;
+        self.mass = model.total_mass();
         self.energy_at_start = energy(dynamics);
         self.com_velocity_at_start = dynamics.com_velocity;
     }
@@ -131,7 +134,9 @@ impl Audit {
     pub(super) fn close(&mut self, dynamics: &Dynamics, ground: &Terrain) {
         self.energy_error_j = self.energy_error_j.max((energy(dynamics) - self.energy_at_start - self.work).abs());
         let momentum = self.mass * (dynamics.com_velocity - self.com_velocity_at_start);
-        self.momentum_error_mps = self.momentum_error_mps.max((momentum - self.impulse).norm() / self.mass);
+        if !self.bolted {
+            self.momentum_error_mps = self.momentum_error_mps.max((momentum - self.impulse).norm() / self.mass);
+        }
         for position in &dynamics.contact_positions {
             self.penetration_m = self.penetration_m.max(-ground.gap(position));
         }

@@ -5,10 +5,10 @@
 //! then stable while `dt² k m < 4` and `dt d m < 2`; by the semi-implicit Euler rule while `dt² k m / 4 + dt d m / 2 < 1`.
 //! That sum is at most the sum over all such joints, and contacts only make it smaller.
 
+use legwork_contract::error::Error;
 use legwork_rbd::{Dof, Model};
 
 use crate::velocity::VelocityStep;
-use legwork_contract::error::Error;
 
 /// The joints that have a spring or a stop.
 #[derive(Clone, Debug)]

@@ -125,7 +125,7 @@ impl Simulator {
             model,
         };
         body.state.update(&body.model, &body.q, &body.v);
-        body.audit.begin(&body.state, body.model.total_mass());
+        body.audit.begin(&body.model, &body.state);
         match &mut velocity {
             Velocity::Planar(velocity) => body.check_springs(velocity)?,
             Velocity::Spatial(velocity) => body.check_springs(velocity)?,

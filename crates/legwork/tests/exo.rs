@@ -132,3 +132,28 @@ fn the_steps_of_the_thesis_are_not_for_it() {
     let error = episode::run(&loaded.scenario, &exo(), &[], |_| false).expect_err("it needs point feet in the plane");
     assert!(error.to_string().contains("planar base and two feet with one contact point each"), "{error}");
 }
+
+/// The exoskeleton without motors for the rotation of the hip and the inversion of the ankle, whose springs pull aside.
+#[test]
+fn the_controller_stands_on_passive_joints_with_springs() {
+    let mut model = exo();
+    for dof in &mut model.dofs {
+        if dof.name.ends_with("_hie") || dof.name.ends_with("_aie") {
+            (dof.actuated, dof.stiffness, dof.rest, dof.stop_stiffness) = (false, 60.0, 0.1, 500.0);
+        }
+    }
+    let sets = ["duration_s=2".to_owned(), "pushes=[]".to_owned(), "reference.stance.sway_m=[0.01,0,0]".to_owned()];
+    let loaded = scenario_file::load("exo-sway", &sets).expect("valid");
+    let run = episode::run(&loaded.scenario, &model, &[], |_| false).expect("it runs");
+    assert_eq!(run.outcome, Outcome::Completed, "{:?}", run.reason);
+    assert_eq!((run.program.infeasible, run.audit.violations()), (0, vec![]));
+    let error = run.metrics.com_error_m.expect("it ran long enough");
+    println!("{error:?}");
+    assert!(error.peak < 0.005, "{error:?}");
+    // What the program expects of the ground is what the ground gives, tick by tick: the springs' 6 Nm are known.
+    for index in 100..run.log.len() {
+        let (expected, found) = (run.log.get(index, Field::Grf), run.log.get(index, Field::GrfSimulated));
+        let up = |forces: &[f64]| forces.chunks(3).map(|force| force[2]).sum::<f64>();
+        println!("{} {}", up(expected), up(found));
+    }
+}
