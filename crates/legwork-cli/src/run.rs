@@ -28,7 +28,7 @@ pub(crate) fn run(options: &RunArgs, output: &mut Output) -> Result<ExitCode, Fa
         let run = job.run()?;
         let text = if options.json { summary::json(&run).to_string() } else { summary::text(&run) };
         printed = output.line(text).and_then(|()| output.flush());
-        for violation in run.audit.violations() {
+        for violation in run.violations() {
             say(&format!("warning: {}: the simulation broke its own bounds: {violation}", run.scenario.name));
         }
         job.write_files(&run, options)?;

@@ -5,6 +5,7 @@ use legwork::metrics::{JOINT_METRICS, METRICS, Metric, Metrics, Value as Measure
 use legwork::momentum::Condition;
 use legwork::scenario::Scenario;
 use legwork::scenario_file;
+use legwork::sim::audit::Audit;
 use legwork_thesis::published::{self, Row};
 use serde_json::{Value, json};
 
@@ -56,7 +57,7 @@ pub(crate) fn text(run: &Run) -> String {
     let [median, p99] = [0.5, 0.99].map(|share| run.timing.tick_quantile_us(share));
     text += &format!(
         "\n  {} ticks, {:.0} times real time; control tick {median:.1} µs median, {p99:.1} µs p99\n",
-        run.log.len(),
+        (run.simulated_s / run.scenario.controller.period_s).round(),
         real_time_factor(run),
     );
     text
@@ -95,7 +96,7 @@ pub(crate) fn json(run: &Run) -> Value {
         Outcome::Fell(fall) => ("fell", Some(fall.time)),
         Outcome::Stopped => ("stopped", None),
     };
-    let (audit, qp) = (&run.audit, &run.program);
+    let qp = &run.program;
     json!({
         "scenario": run.scenario.name,
         "outcome": outcome,
@@ -105,19 +106,7 @@ pub(crate) fn json(run: &Run) -> Value {
         "input_hash": format!("{:032x}", run.input_hash),
         "result_hash": format!("{:032x}", run.result_hash),
         "metrics": metrics(&run.metrics),
-        "audit": {
-            "energy_error_j": audit.energy_error_j,
-            "work_j": audit.work_j,
-            "contact_loss_j": audit.contact_loss_j,
-            "momentum_error_mps": audit.momentum_error_mps,
-            "penetration_m": audit.penetration_m,
-            "friction_excess_n": audit.friction_excess_n,
-            "pull_n": audit.pull_n,
-            "slip_m": audit.slip_m,
-            "contact_sweeps_max": audit.contact_sweeps,
-            "contact_residual_n": audit.contact_residual_n,
-            "violations": audit.violations(),
-        },
+        "audit": run.audit.as_ref().map(audit),
         "qp": {
             "solves": qp.solves,
             "infeasible": qp.infeasible,
@@ -136,6 +125,23 @@ pub(crate) fn json(run: &Run) -> Value {
             "simulated_s": time(simulated(run)),
             "real_time_factor": real_time_factor(run),
         },
+    })
+}
+
+/// The physics' books.
+fn audit(audit: &Audit) -> Value {
+    json!({
+        "energy_error_j": audit.energy_error_j,
+        "work_j": audit.work_j,
+        "contact_loss_j": audit.contact_loss_j,
+        "momentum_error_mps": audit.momentum_error_mps,
+        "penetration_m": audit.penetration_m,
+        "friction_excess_n": audit.friction_excess_n,
+        "pull_n": audit.pull_n,
+        "slip_m": audit.slip_m,
+        "contact_sweeps_max": audit.contact_sweeps,
+        "contact_residual_n": audit.contact_residual_n,
+        "violations": audit.violations(),
     })
 }
 
@@ -163,7 +169,7 @@ fn in_words(run: &Run, conflict: &[Condition]) -> Vec<String> {
 }
 
 fn simulated(run: &Run) -> f64 {
-    run.log.len() as f64 * run.scenario.controller.period_s
+    run.simulated_s
 }
 
 fn real_time_factor(run: &Run) -> f64 {

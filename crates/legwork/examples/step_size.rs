@@ -34,7 +34,7 @@ fn main() -> io::Result<()> {
                 let scenario = scenario_file::load(name, &sets).expect("a valid scenario").scenario;
                 let model = library::load_model(&scenario.model, None).expect("a built-in model");
                 let run = episode::run(&scenario, &model, &[], |_| false).expect("it can start");
-                let (m, audit) = (&run.metrics, &run.audit);
+                let (m, audit) = (&run.metrics, run.audit.as_ref().expect("the simulator keeps books"));
                 let [com_error, feet_error, torque, u2, force] =
                     [m.com_error_m, m.feet_error_m, m.torque_nm, m.u2_n2m2, m.grf_n].map(Option::unwrap_or_default);
                 writeln!(

@@ -100,8 +100,10 @@ pub struct Run {
     pub log: Log,
     /// The thesis's figures.
     pub metrics: Metrics,
-    /// The physics' books.
-    pub audit: Audit,
+    /// The physics' books; none of a physics that keeps none.
+    pub audit: Option<Audit>,
+    /// Time simulated [s].
+    pub simulated_s: f64,
     /// How the programs went.
     pub program: ProgramCounts,
     /// How long things took.
@@ -110,6 +112,13 @@ pub struct Run {
     pub input_hash: u128,
     /// Hash of the log.
     pub result_hash: u128,
+}
+
+impl Run {
+    /// Where the physics broke its own laws, in words; nothing where it did not, or where nothing watched it.
+    pub fn violations(&self) -> Vec<String> {
+        self.audit.as_ref().map_or_else(Vec::new, Audit::violations)
+    }
 }
 
 /// What a run is made of where it is not what the scenario says.
@@ -486,7 +495,8 @@ impl Episode {
         program.iterations_mean = self.iterations as f64 / self.tick.max(1) as f64;
         Ok(Run {
             metrics: self.measuring.finish(),
-            audit: self.plant.audit().cloned().unwrap_or_default(),
+            audit: self.plant.audit().cloned(),
+            simulated_s: self.tick as f64 * self.scenario.controller.period_s,
             program,
             timing: Timing { ticks_s: self.tick_times, wall_s },
             input_hash: self.input_hash,

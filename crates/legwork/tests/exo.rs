@@ -146,7 +146,7 @@ fn the_controller_stands_on_passive_joints_with_springs() {
     let loaded = scenario_file::load("exo-sway", &sets).expect("valid");
     let run = episode::run(&loaded.scenario, &model, &[], |_| false).expect("it runs");
     assert_eq!(run.outcome, Outcome::Completed, "{:?}", run.reason);
-    assert_eq!((run.program.infeasible, run.audit.violations()), (0, vec![]));
+    assert_eq!((run.program.infeasible, run.violations()), (0, vec![]));
     let error = run.metrics.com_error_m.expect("it ran long enough");
     println!("{error:?}");
     assert!(error.peak < 0.005, "{error:?}");

@@ -22,7 +22,7 @@ fn xcom_error(run: &Run, time: f64) -> f64 {
 
 fn stood(run: &Run) {
     assert_eq!(run.outcome, Outcome::Completed, "{:?}", run.reason);
-    assert_eq!(run.audit.violations(), Vec::<String>::new());
+    assert_eq!(run.violations(), Vec::<String>::new());
 }
 
 #[test]

@@ -36,7 +36,7 @@ impl Plant for Foreign {
     }
 
     fn audit(&self) -> Option<&Audit> {
-        self.0.audit()
+        Some(self.0.audit())
     }
 
     fn channels(&self) -> Vec<Channel> {

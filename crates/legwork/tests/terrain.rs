@@ -24,7 +24,7 @@ fn a_ramp_is_a_slope() {
         let slope = common::run(scenario, &[&common[..], &["ground.slope_deg=4"]].concat());
         let ramp = common::run(scenario, &[&common[..], &[&ramp, "ground.relief_known=true"]].concat());
         assert_eq!([&slope.outcome, &ramp.outcome], [&Outcome::Completed; 2], "{scenario}");
-        assert_eq!(ramp.audit.violations(), Vec::<String>::new());
+        assert_eq!(ramp.violations(), Vec::<String>::new());
         let apart = apart(&slope, &ramp, Field::Com);
         assert!(apart < 1e-6, "{scenario}: {apart} m");
     }
@@ -38,7 +38,7 @@ fn it_walks_over_ground_that_it_does_not_see() {
             &[&format!("reference.walker.speed_mps={speed}"), "ground.unevenness_m=0.01", &format!("seed={seed}")],
         );
         assert_eq!(run.outcome, Outcome::Completed, "{speed} m/s, seed {seed}: {:?}", run.reason);
-        assert_eq!(run.audit.violations(), Vec::<String>::new());
+        assert_eq!(run.violations(), Vec::<String>::new());
         assert!(run.metrics.mean_speed_mps > 0.9 * speed);
     }
 }

@@ -16,7 +16,7 @@ fn around(what: &str, value: f64, published: f64, share: f64) {
 
 fn clean(run: &Run) {
     assert_eq!(run.outcome, Outcome::Completed, "{:?}", run.reason);
-    assert_eq!(run.audit.violations(), Vec::<String>::new());
+    assert_eq!(run.violations(), Vec::<String>::new());
     assert_eq!(run.program.infeasible, 0);
 }
 

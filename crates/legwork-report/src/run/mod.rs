@@ -117,7 +117,7 @@ fn article(run: &Run, number: usize) -> Markup {
 fn head(run: &Run) -> Markup {
     let (scenario, model) = (&run.scenario, &run.model);
     let simulated = run.log.len() as f64 * scenario.controller.period_s;
-    let violations = run.audit.violations();
+    let violations = run.violations();
     html! {
         header {
             h2 { (scenario.name) " " (tables::badge(run)) }

@@ -107,7 +107,9 @@ pub(super) fn badge(run: &Run) -> Markup {
 
 /// The books of the simulator.
 pub(super) fn audit(run: &Run) -> Markup {
-    let audit = &run.audit;
+    let Some(audit) = &run.audit else {
+        return html! { p { "The physics of this run keeps no books." } };
+    };
     definitions(&[
         ("energy error", quantity(audit.energy_error_j, "J")),
         ("work, absolute", quantity(audit.work_j, "J")),

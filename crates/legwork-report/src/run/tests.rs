@@ -137,8 +137,8 @@ fn a_fall_cannot_be_missed() {
 fn a_broken_bound_is_shown() {
     let mut run = run_for(50, "stand", &[], None);
     assert!(!html(std::slice::from_ref(&run)).contains("broke its own bounds"));
-    run.audit.penetration_m = 0.02;
-    let violation = run.audit.violations().pop().expect("2 cm is too deep");
+    run.audit.as_mut().expect("our simulator").penetration_m = 0.02;
+    let violation = run.violations().pop().expect("2 cm is too deep");
     let page = html(&[run]);
     assert!(page.contains("broke its own bounds") && page.contains(&violation));
 }
