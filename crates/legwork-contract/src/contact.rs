@@ -36,22 +36,26 @@ impl Surface {
     }
 
     /// Unit tangents: one for a planar robot, two for a spatial one.
+    #[inline]
     pub fn tangents(&self) -> &[Vector3<f64>] {
         &self.tangents[..self.axes]
     }
 
     /// Height at `x` of the plane through the world's origin [m].
+    #[inline]
     pub fn height_at(&self, x: f64) -> f64 {
         -self.normal.x / self.normal.z * x
     }
 
     /// The directions of contact coordinates: the tangents, then the normal.
+    #[inline]
     pub fn directions(&self) -> impl Iterator<Item = &Vector3<f64>> {
         self.tangents().iter().chain([&self.normal])
     }
 
     /// Row `index` of `Q_c` for one contact (4.16), as a vector in the world that is multiplied with the force and
     /// must not be positive: first the normal, then each tangent in both directions (a pyramid in space).
+    #[inline]
     pub fn friction_row(&self, index: usize) -> Vector3<f64> {
         if index == 0 {
             return -self.normal;

@@ -61,6 +61,7 @@ pub enum Footing {
 
 impl Footing {
     /// Whether the foot stands on one of its ends alone.
+    #[inline]
     pub fn is_on_an_end(self) -> bool {
         matches!(self, Self::Rolls | Self::Trails | Self::Lands | Self::OnHeel)
     }
@@ -105,6 +106,7 @@ struct Foot {
 }
 
 impl Foot {
+    #[inline]
     fn points(&self, footing: Footing) -> &[usize] {
         match footing {
             Footing::Stands | Footing::Swings => &self.contacts,
@@ -161,11 +163,13 @@ impl FeetMotion {
     }
 
     /// The rows of a foot.
+    #[inline]
     pub fn rows(&self, foot: usize) -> &FootRows {
         &self.feet[foot].rows
     }
 
     /// The contact points of a foot, by their place in the model.
+    #[inline]
     pub fn contacts(&self, foot: usize) -> &[usize] {
         &self.feet[foot].contacts
     }
@@ -176,6 +180,7 @@ impl FeetMotion {
     }
 
     /// The contact points at the heel and those at the toe of a foot.
+    #[inline]
     pub fn ends(&self, foot: usize) -> &[Vec<usize>; 2] {
         &self.feet[foot].ends
     }
@@ -222,6 +227,7 @@ impl FeetMotion {
 }
 
 /// The rotation vector, in the world [rad], that turns `from` into `to`.
+#[inline]
 pub fn rotation_error(from: &Matrix3<f64>, to: &Matrix3<f64>) -> Vector3<f64> {
     let turn = to * from.transpose();
     let axis =
@@ -243,6 +249,7 @@ pub fn rotated(turn: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 /// The rotation by `angle` [rad] about −y, counter-clockwise as seen with x to the right and z up.
+#[inline]
 pub fn pitched(angle: f64) -> Matrix3<f64> {
     let (sin, cos) = libm::sincos(angle);
     Matrix3::new(cos, 0.0, -sin, 0.0, 1.0, 0.0, sin, 0.0, cos)

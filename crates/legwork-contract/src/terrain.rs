@@ -25,6 +25,7 @@ pub struct Line {
 
 impl Line {
     /// Height at `x` [m].
+    #[inline]
     pub fn at(&self, x: f64) -> f64 {
         self.z + self.steepness * (x - self.x)
     }
@@ -148,21 +149,25 @@ impl Terrain {
     }
 
     /// Its plane.
+    #[inline]
     pub fn base(&self) -> &Surface {
         &self.plane
     }
 
     /// Whether it is its plane everywhere.
+    #[inline]
     pub fn is_plane(&self) -> bool {
         self.is_even() && self.patches.is_empty()
     }
 
     /// Whether nothing rises from its plane.
+    #[inline]
     pub fn is_even(&self) -> bool {
         self.relief.profile.is_empty() && self.relief.unevenness == 0.0
     }
 
     /// Height below `x` [m].
+    #[inline]
     pub fn height_at(&self, x: f64) -> f64 {
         let plane = self.plane.height_at(x);
         if self.is_even() { plane } else { plane + self.relief.at(x)[0] }
@@ -198,6 +203,7 @@ impl Terrain {
     }
 
     /// Distance of `point` from the ground below it, along the normal of the ground's plane [m]; negative inside.
+    #[inline]
     pub fn gap(&self, point: &Vector3<f64>) -> f64 {
         let gap = self.plane.normal.dot(point);
         if self.is_even() { gap } else { gap - self.plane.normal.z * self.relief.at(point.x)[0] }

@@ -48,9 +48,7 @@ impl Dynamics {
         for (j, dof) in model.dofs.iter().enumerate() {
             self.bias[j] = self.subspace[j].dot(&self.force[dof.body]) + self.gravity[j];
             self.damping[j] = dof.damping * v[j];
-            if dof.stop_stiffness != 0.0 {
-                self.damping[j] += self.stop_damping(j, dof, v[j]);
-            }
         }
+        self.stop_dampers(model, v);
     }
 }

@@ -71,6 +71,8 @@ pub struct Dynamics {
     pub(crate) composite: Vec<Inertia>,
     pub(crate) force: Vec<Force>,
     pub(crate) momentum: Force,
+    /// Whether any joint has a spring or a stop.
+    pub(crate) is_elastic: bool,
     /// The elastic force of each coordinate's stop.
     pub(crate) stop_force: Vec<f64>,
     /// For each velocity coordinate the next one toward the base.
@@ -123,6 +125,7 @@ impl Dynamics {
             composite: vec![Inertia::zero(); nb],
             force: vec![Force::zero(); nb],
             momentum: Force::zero(),
+            is_elastic: false,
             stop_force: vec![0.0; nv],
             parent_dof,
             last_dof,

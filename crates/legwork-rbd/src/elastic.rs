@@ -8,7 +8,8 @@ impl Dof {
     #[inline]
     #[must_use]
     pub fn is_elastic(&self) -> bool {
-        self.stiffness != 0.0 || self.stop_stiffness != 0.0
+        // One comparison: most joints have neither.
+        self.stiffness.abs() + self.stop_stiffness.abs() != 0.0
     }
 
     /// How far the position `q` is beyond the end of the range [rad or m]: positive above, negative below, zero within.
@@ -22,9 +23,13 @@ impl Dynamics {
     /// Fills `elastic` and `elastic_energy`.
     pub(crate) fn springs(&mut self, model: &Model, q: &[f64]) {
         self.elastic_energy = 0.0;
+        let was_elastic = std::mem::replace(&mut self.is_elastic, model.dofs.iter().any(Dof::is_elastic));
+        if !self.is_elastic && !was_elastic {
+            return;
+        }
         for (j, dof) in model.dofs.iter().enumerate() {
             if !dof.is_elastic() {
-                self.elastic[j] = 0.0;
+                (self.elastic[j], self.stop_force[j]) = (0.0, 0.0);
                 continue;
             }
             let q = q[model.bodies[dof.body].q_index];
@@ -35,8 +40,17 @@ impl Dynamics {
         }
     }
 
+    /// Adds the dampers of stops to `damping`.
+    pub(crate) fn stop_dampers(&mut self, model: &Model, v: &[f64]) {
+        if self.is_elastic {
+            for (j, dof) in model.dofs.iter().enumerate() {
+                self.damping[j] += self.stop_damping(j, dof, v[j]);
+            }
+        }
+    }
+
     /// The damper of a stop: it acts while the joint is beyond its end, and lets go where the stop would pull.
-    pub(crate) fn stop_damping(&self, j: usize, dof: &Dof, speed: f64) -> f64 {
+    fn stop_damping(&self, j: usize, dof: &Dof, speed: f64) -> f64 {
         let (elastic, viscous) = (self.stop_force[j], dof.stop_damping * speed);
         match elastic {
             push if push > 0.0 => viscous.max(-push),

@@ -304,8 +304,12 @@ impl Body {
         self.push_force.fill(0.0);
         let push = self.pushes.add(dynamics, time, dt, &mut self.push_force);
         self.damping.copy_from_slice(dynamics.damping.as_slice());
-        for j in 0..self.v.len() {
-            self.force[j] = self.push_force[j] - dynamics.bias[j] - dynamics.damping[j] - dynamics.elastic[j];
+        let passive = dynamics.bias.as_slice().iter().zip(dynamics.damping.as_slice());
+        for ((force, push), (bias, damping)) in self.force.iter_mut().zip(&self.push_force).zip(passive) {
+            *force = push - bias - damping;
+        }
+        if !self.elastic.is_empty() {
+            self.force.iter_mut().zip(dynamics.elastic.as_slice()).for_each(|(force, elastic)| *force -= elastic);
         }
         for (&dof, torque) in self.actuated.iter().zip(&self.applied) {
             self.force[dof] += torque;
