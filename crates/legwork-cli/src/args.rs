@@ -97,7 +97,6 @@ const BENCH_HELP: &str = "\
 Examples:
   legwork bench
   legwork bench push --set controller.form=slack --seconds 1
-  legwork bench --growth --seconds 1 --plot growth.svg
 
 Times are those of this machine: leave it alone meanwhile. Each figure is the
 median of several rounds, so that one disturbed round does not matter.
@@ -142,7 +141,7 @@ pub(crate) enum Command {
     /// Find settings that better a design, and judge them in cases that the search has not seen
     #[command(after_help = TUNE_HELP)]
     Tune(TuneArgs),
-    /// Measure legwork on this machine: control tick and its parts, simulation step, rollouts, threads, growth with size
+    /// Measure legwork on this machine: control tick and its parts, simulation step, rollouts, threads
     #[command(after_help = BENCH_HELP)]
     Bench(BenchArgs),
     /// List models, scenarios, studies, and every setting with unit, default, range and source
@@ -370,15 +369,9 @@ pub(crate) struct BenchArgs {
     /// Change a setting of every scenario
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(crate) sets: Vec<String>,
-    /// About how long to measure each scenario, or the growth
+    /// About how long to measure each scenario
     #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = seconds)]
     pub(crate) seconds: f64,
-    /// How tick and step grow with degrees of freedom and contact points, on robots made for that
-    #[arg(long, conflicts_with_all = ["scenarios", "sets"])]
-    pub(crate) growth: bool,
-    /// Draw the growth into an SVG file
-    #[arg(long, value_name = "FILE.svg", requires = "growth")]
-    pub(crate) plot: Option<PathBuf>,
     /// Print a JSON object instead of tables
     #[arg(long)]
     pub(crate) json: bool,

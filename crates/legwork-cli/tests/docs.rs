@@ -71,8 +71,12 @@ fn every_command_in_the_documents_runs() {
             if let Some(example) = command.split("--example ").nth(1) {
                 let name = example.split(' ').next().unwrap_or_default();
                 let package = command.split("-p ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap_or_default();
-                let file = root().join(format!("crates/{package}/examples/{name}.rs"));
-                assert!(file.is_file(), "{}: {command}: there is no such example", document.display());
+                let file = root().join(format!("crates/{package}/examples/{name}"));
+                assert!(
+                    file.join("main.rs").is_file() || file.with_extension("rs").is_file(),
+                    "{}: {command}: there is no such example",
+                    document.display()
+                );
                 continue;
             }
             if ELSEWHERE.iter().any(|(known, _)| command.starts_with(known)) {

@@ -1,4 +1,4 @@
-//! The figure of `legwork bench --growth`.
+//! How what a tick and a step take grows with the robot (`examples/growth`), as a figure.
 
 use serde::Serialize;
 

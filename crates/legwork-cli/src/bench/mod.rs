@@ -1,12 +1,10 @@
-//! `legwork bench`: what legwork takes on this machine, and how that grows with the robot.
+//! `legwork bench`: what legwork takes on this machine.
 //!
 //! Only here and in the library's `episode` is a clock read. What is timed gets the inputs of a finished run again
 //! (`legwork::recording`), so that each round does the same work.
 
-mod growth;
 mod machine;
 mod replay;
-mod robot;
 mod rounds;
 mod samples;
 mod scenario;
@@ -15,13 +13,12 @@ mod text;
 use std::process::ExitCode;
 
 use legwork::error::Error;
-use legwork_report::growth::{self as growth_page, Growth};
 use legwork_study::Base;
 use serde::Serialize;
 
 use crate::args::BenchArgs;
 use crate::long_work::{conclude, interrupted, listen_for_interrupt};
-use crate::output::{Failure, Output, check_writable, say, write_text};
+use crate::output::{Failure, Output};
 use machine::{Clock, Machine};
 use scenario::Measured;
 
@@ -32,13 +29,11 @@ struct Report {
     /// Whether Ctrl-C was pressed, so that something is missing.
     interrupted: bool,
     scenarios: Vec<Measured>,
-    growth: Option<Growth>,
 }
 
 pub(crate) fn bench(options: &BenchArgs, output: &mut Output) -> Result<ExitCode, Failure> {
-    // Wrong scenarios and unwritable places are found before anything is measured.
-    let bases = if options.growth { Vec::new() } else { bases(options)? };
-    options.plot.as_deref().map_or(Ok(()), check_writable)?;
+    // Wrong scenarios are found before anything is measured.
+    let bases = bases(options)?;
     listen_for_interrupt();
     let clock = Clock::new();
     let machine = Machine::new(&clock);
@@ -51,15 +46,9 @@ pub(crate) fn bench(options: &BenchArgs, output: &mut Output) -> Result<ExitCode
             break;
         }
     }
-    let growth = if options.growth { growth::measure(clock, options.seconds)? } else { None };
-    let report = Report { machine, interrupted: interrupted(), scenarios, growth };
+    let report = Report { machine, interrupted: interrupted(), scenarios };
     let words = (!options.json).then_some(text::text as fn(&Report) -> String);
-    conclude(output, &report, words, report.interrupted, || {
-        let (Some(path), Some(growth)) = (&options.plot, &report.growth) else { return Ok(()) };
-        write_text(path, &growth_page::svg(growth))?;
-        say(&format!("plot: {}", path.display()));
-        Ok(())
-    })
+    conclude(output, &report, words, report.interrupted, || Ok(()))
 }
 
 fn bases(options: &BenchArgs) -> Result<Vec<Base>, Error> {

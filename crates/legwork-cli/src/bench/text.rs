@@ -1,7 +1,5 @@
 //! The tables of `bench` for people.
 
-use legwork_report::growth::{Growth, Table};
-
 use super::Report;
 use super::machine::Machine;
 use super::samples::{Histogram, Statistics};
@@ -14,7 +12,7 @@ const BAR: f64 = 40.0;
 /// Everything that was measured.
 pub(super) fn text(report: &Report) -> String {
     let parts = std::iter::once(machine(&report.machine)).chain(report.scenarios.iter().map(scenario));
-    parts.chain(report.growth.iter().map(growth)).collect::<Vec<_>>().join("\n\n")
+    parts.collect::<Vec<_>>().join("\n\n")
 }
 
 fn machine(machine: &Machine) -> String {
@@ -106,32 +104,6 @@ fn bar(columns: f64) -> String {
     const EIGHTHS: [&str; 8] = ["", "▏", "▎", "▍", "▌", "▋", "▊", "▉"];
     let eighths = (8.0 * columns).round().max(f64::from(u8::from(columns > 0.0))) as usize;
     "█".repeat(eighths / 8) + EIGHTHS[eighths % 8]
-}
-
-fn growth(growth: &Growth) -> String {
-    let tables: Vec<String> = growth.tables.iter().map(table).collect();
-    format!("Robots that stand in the plane; medians of {} rounds\n\n{}", growth.rounds, tables.join("\n\n"))
-}
-
-fn table(table: &Table) -> String {
-    let mut text = format!("Over {}, with {} [µs]\n  {:>9}{:>10}", table.over, table.held, "", "variables");
-    table.series.iter().for_each(|series| text += &format!("{:>10}", series.name));
-    text += &format!("{:>7}", "sweeps");
-    for row in &table.rows {
-        text += &format!("\n  {:>9}{:>10}", row.size, row.variables);
-        row.times_us.iter().for_each(|&time| text += &format!("{:>10}", digits(time)));
-        text += &format!("{:>7.1}", row.sweeps);
-    }
-    text += &format!("\n  {:<19}", "exponent, measured");
-    for series in &table.series {
-        text += &format!("{:>10}", series.exponent.map_or("–".to_owned(), |exponent| format!("{exponent:.2}")));
-    }
-    text += &format!("\n  {:<19}", "of the algorithm");
-    for series in &table.series {
-        let [least, most] = series.expected;
-        text += &format!("{:>10}", if least < most { format!("{least} to {most}") } else { least.to_string() });
-    }
-    text
 }
 
 #[cfg(test)]

@@ -25,8 +25,8 @@ fn number(value: &Value) -> f64 {
 fn every_figure_is_there_and_they_agree_with_each_other() {
     let folder = Folder::new("bench-json");
     let report = folder.json(&bench(&["push", "--set", "duration_s=0.9", "--json"])).remove(0);
-    assert_eq!(keys(&report), ["machine", "interrupted", "scenarios", "growth"]);
-    assert_eq!((&report["interrupted"], &report["growth"]), (&false.into(), &Value::Null));
+    assert_eq!(keys(&report), ["machine", "interrupted", "scenarios"]);
+    assert_eq!(report["interrupted"], false);
     let machine = &report["machine"];
     assert!(machine["rustc"].as_str().is_some_and(|text| text.starts_with("rustc 1.")), "{machine}");
     assert_eq!(machine["legwork"], env!("CARGO_PKG_VERSION"));
@@ -81,49 +81,13 @@ fn tables_fit_a_terminal() {
 }
 
 #[test]
-fn growth_has_a_row_a_size_and_a_figure() {
-    let folder = Folder::new("bench-growth");
-    let growth = ["bench", "--growth", "--seconds", "0.1", "--plot", "growth.svg"];
-    let report = folder.json(&[&growth[..], &["--json"]].concat()).remove(0);
-    let tables = report["growth"]["tables"].as_array().expect("a list");
-    let names: Vec<&Value> = tables.iter().map(|table| &table["over"]).collect();
-    assert_eq!(names, ["degrees of freedom", "contact points"]);
-    for table in tables {
-        let rows = table["rows"].as_array().expect("a list");
-        assert!(rows.len() >= 6 && table["series"].as_array().is_some_and(|series| series.len() == 5));
-        for row in rows {
-            assert!(row["times_us"].as_array().expect("a list").iter().all(|time| number(time) > 0.0), "{row}");
-        }
-        for series in table["series"].as_array().expect("a list") {
-            assert!(number(&series["exponent"]).is_finite(), "{series}");
-        }
-    }
-    let figure = folder.text("growth.svg");
-    for word in ["degrees of freedom", "contact points", "time [µs]", "n^"] {
-        assert!(figure.contains(word), "{word}");
-    }
-    let done = folder.legwork(&growth).succeeds();
-    assert!(done.err.ends_with("plot: growth.svg\n"), "{}", done.err);
-    for line in done.out.lines() {
-        assert!(line.chars().count() <= 80 && line.trim_end() == line, "{line:?}");
-    }
-}
-
-#[test]
 fn wrong_invocations() {
     let folder = Folder::new("bench-wrong");
     folder.refuses(2, &["bench", "wlak"], &["wlak", "walk"]);
     folder.refuses(2, &bench(&["--set", "ground.friction=-1"]), &["--set ground.friction of walk", "found -1"]);
-    folder.refuses(1, &["bench", "--growth", "--plot", "none/growth.svg"], &["none/growth.svg", "folder"]);
-    for (arguments, words) in [
-        (&["bench", "--seconds", "0"][..], "from 0.1 to 3600"),
-        (&["bench", "--plot", "a.svg"], "--growth"),
-        (&["bench", "walk", "--growth"], "cannot be used with"),
-    ] {
-        let done = folder.legwork(arguments);
-        assert_eq!((done.code, done.out.as_str()), (2, ""), "{arguments:?}");
-        assert!(done.err.contains(words), "{}", done.err);
-    }
+    let done = folder.legwork(&["bench", "--seconds", "0"]);
+    assert_eq!((done.code, done.out.as_str()), (2, ""));
+    assert!(done.err.contains("from 0.1 to 3600"), "{}", done.err);
     assert!(folder.names().is_empty());
 }
 

@@ -26,29 +26,29 @@ const SIDES: [&str; 2] = ["right", "left"];
 
 /// How large a robot is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Size {
+pub(crate) struct Size {
     /// Degrees of freedom: 7, and with ankles 9, at the least.
-    pub(super) dofs: usize,
+    pub(crate) dofs: usize,
     /// Contact points of each foot. One is a point foot; more lie along a sole below an ankle.
-    pub(super) contacts_per_foot: usize,
+    pub(crate) contacts_per_foot: usize,
     /// Whether the legs have ankles.
-    pub(super) ankles: bool,
+    pub(crate) ankles: bool,
 }
 
 /// What a robot's controller and simulator are given.
 #[derive(Clone, Debug)]
-pub(super) struct Standing {
+pub(crate) struct Standing {
     /// The robot.
-    pub(super) model: Model,
+    pub(crate) model: Model,
     /// A state each [`Standing::torques`] is given in.
-    pub(super) estimates: Vec<Sensed>,
+    pub(crate) estimates: Vec<Sensed>,
     /// Torques of the actuated joints [Nm].
-    pub(super) torques: Vec<Vec<f64>>,
+    pub(crate) torques: Vec<Vec<f64>>,
 }
 
 impl Size {
     /// The robot of this size.
-    pub(super) fn model(self) -> Result<Model, Error> {
+    pub(crate) fn model(self) -> Result<Model, Error> {
         let legs = if self.ankles { 6 } else { 4 };
         let arms = self.dofs - 3 - legs;
         let mut text = "name = \"grown\"\nbase = \"planar\"\ntorso = \"trunk\"\ncontacts = [\n".to_owned();
@@ -81,7 +81,7 @@ impl Size {
                 link(&mut text, side, &format!("arm{index}"), &parent, z, length, ARM_MASS / arms as f64);
             }
         }
-        Ok(Model::from_toml(&text, "a robot made for legwork bench")?)
+        Ok(Model::from_toml(&text, "a robot made to measure growth")?)
     }
 
     /// How it stands in the beginning: both feet on the ground, one before and one behind the hips, the arms bent.
@@ -102,7 +102,7 @@ impl Size {
     }
 
     /// It stands for `ticks` ticks of `scenario`.
-    pub(super) fn stand(self, scenario: &Scenario, ticks: usize) -> Result<Standing, Error> {
+    pub(crate) fn stand(self, scenario: &Scenario, ticks: usize) -> Result<Standing, Error> {
         let model = self.model()?;
         let pose = Self::pose(&model);
         let mut simulator = scenario.simulator(&model, &pose)?;
