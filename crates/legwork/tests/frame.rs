@@ -237,7 +237,8 @@ fn what_is_sensed_is_checked_and_no_state_holds_the_torques() {
     let mut controller = scenario.momentum_controller(&model, &[], &sensed).expect("the model fits");
     let torque = controller.tick(&sensed, robot.dynamics()).torque.clone();
     assert!(torque.iter().any(|torque| *torque != 0.0));
-    let wrong: [(&str, fn(&mut Sensed)); 5] = [
+    type Spoil = fn(&mut Sensed);
+    let wrong: [(&str, Spoil); 5] = [
         ("sensed.q", |sensed| sensed.q.truncate(1)),
         ("sensed.contacts", |sensed| sensed.contacts.clear()),
         ("v of right_knee", |sensed| sensed.v[3] = f64::NAN),
