@@ -3,26 +3,30 @@
 mod bench_peers;
 mod browser;
 mod count_instructions;
+mod wasm;
 
 use std::env;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 
-const USAGE: &str = "usage: cargo xtask test | count-instructions [--write] | bench-peers [--quick] [--only GROUPS]
+const USAGE: &str = "usage: cargo xtask test | count-instructions [--write] | bench-peers [--quick] [--only GROUPS] | wasm [--debian]
 
-  test                 format, lint, documentation, all Rust tests and doc tests, the report in a real browser, and
-                       the instructions; ends with the sum alone on a line
+  test                 format, lint, documentation, all Rust tests and doc tests, the report in a real browser,
+                       runs in WebAssembly, and the instructions; ends with the sum alone on a line
   count-instructions   the instructions of tick, step, solve and dynamics beside those of bench/instructions.toml;
                        with --write they become those
   bench-peers          ours beside other people's programs, which it installs below target/peers; writes
-                       docs/performance.md";
+                       docs/performance.md
+  wasm                 builds controller, simulator and run for WebAssembly and compares the bits of runs in Node with
+                       the native ones; --debian takes Debian's compiler, which it unpacks below target/wasm";
 
 fn main() -> ExitCode {
     match env::args().nth(1).as_deref() {
         Some("test") => test(),
         Some("count-instructions") => count_instructions::run(&env::args().skip(2).collect::<Vec<_>>()),
         Some("bench-peers") => bench_peers::run(&env::args().skip(2).collect::<Vec<String>>()),
+        Some("wasm") => wasm::run(&env::args().skip(2).collect::<Vec<_>>()),
         Some("help" | "--help" | "-h") => {
             say(USAGE);
             ExitCode::SUCCESS
@@ -76,6 +80,8 @@ fn test() -> ExitCode {
     rust_tests(&mut sum);
     say("== report in a browser");
     browser::test(&mut sum);
+    say("== WebAssembly");
+    wasm::test(&mut sum);
     say("== instructions");
     count_instructions::compare(&mut sum);
     say("");
