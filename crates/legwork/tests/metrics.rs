@@ -50,7 +50,7 @@ fn recovery_ends_when_the_error_was_too_large_for_the_last_time() {
         log.time(index) >= begin && legwork::metrics::com_error(log, index) > run.scenario.metrics.recovered_within_m
     });
     assert_eq!(metrics.recovery_time_s, out.map(|index| log.time(index + 1) - begin));
-    let cut = common::run("push", &[&format!("duration_s={}", begin + 0.3)]);
+    let cut = common::run("push", &[format!("duration_s={}", begin + 0.3).as_str()]);
     assert_eq!(cut.metrics.recovery_time_s, None, "it ends while the error is too large");
 }
 
