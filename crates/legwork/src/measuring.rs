@@ -191,6 +191,12 @@ impl Measuring {
             counted.steps += u32::from(since > self.stepped);
             self.stepped = self.stepped.max(since);
         }
+        if let Some(steady) = self.steady.as_mut().filter(|steady| time >= steady.commanded.steady_from_s - 1e-9) {
+            steady.begin.get_or_insert(self.place);
+            if let Some(error) = error.filter(|_| late) {
+                steady.com_error.add(error);
+            }
+        }
         let Some(error) = error else { return };
         if let Some(begin) = self.push.filter(|&begin| time >= begin) {
             let recovery = self.recovery.get_or_insert_default();
@@ -200,12 +206,6 @@ impl Measuring {
                 recovery.time = time - begin;
             }
             recovery.out = out;
-        }
-        if let Some(steady) = self.steady.as_mut().filter(|steady| time >= steady.commanded.steady_from_s - 1e-9) {
-            steady.begin.get_or_insert(self.place);
-            if late {
-                steady.com_error.add(error);
-            }
         }
     }
 

@@ -120,7 +120,7 @@ metrics! {
     single_support_fraction: Option<f64> = Number, "single support", "",
         "Share of the ticks in which a foot swings, from trigger to touchdown.";
     steps: Option<u32> = Count, "steps", "",
-        "Steps triggered.";
+        "Number of steps that were triggered.";
     recovery_time_s: Option<f64> = Number, "recovery time", "s",
         "Time from the beginning of the first push until the CoM error is at most `metrics.recovered_within_m` and stays so; none \
          without a push, or where the run ends before.";

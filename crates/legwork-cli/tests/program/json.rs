@@ -135,8 +135,11 @@ fn every_metric_that_is_listed_is_in_the_run() {
     let with_joints = names("metrics").into_iter().chain(["joints".to_owned()]).collect();
     assert_eq!(keys(&run["metrics"]), with_joints);
     assert_eq!(keys(&run["metrics"]["joints"]["left_knee"]), names("joint_metrics").into_iter().collect());
-    // The CoM error counts from 0.4 s on.
+    // The CoM error counts from 0.4 s on, and a joint-space hold has no reference for the feet.
     assert_eq!(run["metrics"]["com_error_m"], Value::Null);
+    let hold = &folder.json(&["run", "stand", "--duration", "0.02", "--set", "controller.kind=hold", "--json"])[0];
+    assert_eq!((&run["metrics"]["steps"], &hold["metrics"]["steps"]), (&json!(0), &Value::Null));
+    assert_eq!((keys(&hold["metrics"]), &hold["metrics"]["feet_error_m"]), (keys(&run["metrics"]), &Value::Null));
 }
 
 #[test]
