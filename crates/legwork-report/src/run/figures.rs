@@ -3,9 +3,11 @@
 use legwork::episode::{Outcome, Run};
 use legwork::log::Field;
 use legwork::scenario::Generator;
+use legwork::terrain::Terrain;
 
 use super::balance::Balance;
 use super::limits;
+use super::stick::sideways_xcom;
 use super::strip::Strip;
 use crate::charts::axis::{Axis, Quantity};
 use crate::charts::chart::{Chart, Part, Stack};
@@ -212,9 +214,13 @@ impl<'a> Charts<'a> {
         let points = self.base_of_support(axis);
         let mut layers = vec![Layer::Area { class: "support".into(), label: "base of support".into(), points }];
         layers.extend(self.feet(axis));
-        if axis == 0 {
-            layers.push(self.line("XcoM", "xcom dash-dotted", Field::Xcom, 0, 1.0));
-        }
+        layers.push(if axis == 0 {
+            self.line("XcoM", "xcom dash-dotted", Field::Xcom, 0, 1.0)
+        } else {
+            let ground = Terrain::of(&self.run.scenario, &self.run.model);
+            let xcom = (0..self.times.len()).map(|index| sideways_xcom(self.run, &ground, index));
+            line("XcoM", "xcom dash-dotted", &self.times, xcom)
+        });
         layers.extend(self.com(axis));
         vec![part(["x", "y"][axis], "m", 290.0, 0.1, layers)]
     }
