@@ -144,8 +144,10 @@ pub(crate) enum Command {
     /// Measure legwork on this machine: control tick and its parts, simulation step, rollouts, threads
     #[command(after_help = BENCH_HELP)]
     Bench(BenchArgs),
-    /// List models, scenarios, studies, and every setting with unit, default, range and source
-    #[command(after_help = "Example:\n  legwork list settings")]
+    /// List the names of models, scenarios, studies and settings, or all of one kind with their descriptions
+    #[command(
+        after_help = "Examples:\n  legwork list\n  legwork list scenarios\n  legwork list settings controller.weights"
+    )]
     List(ListArgs),
     /// Print a scenario with all its settings, or a study, as a file that can be saved and run
     #[command(after_help = "Example:\n  legwork show push > my-push.toml")]
@@ -175,7 +177,7 @@ pub(crate) struct RunArgs {
     /// Change a setting; lists are indexed by number, as in pushes.0.force_n=655
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(crate) sets: Vec<String>,
-    /// Simulated time in seconds, instead of the scenario's
+    /// Time to simulate in seconds, instead of the scenario's duration
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub(crate) duration: Option<String>,
     /// Write one record a control tick to a .csv or .parquet file
@@ -187,7 +189,7 @@ pub(crate) struct RunArgs {
     /// Write the figures as SVG files into a folder
     #[arg(long, value_name = "DIR")]
     pub(crate) plots: Option<PathBuf>,
-    /// Print one JSON object a scenario instead of tables
+    /// Print a JSON object for each scenario instead of tables
     #[arg(long)]
     pub(crate) json: bool,
     /// End with exit code 1 if a robot falls
@@ -209,13 +211,13 @@ pub(crate) struct StudyArgs {
     /// Folder for the rollouts, tables, figures and report, instead of legwork-STUDY
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Number of threads, instead of one a core
+    /// Number of threads; one for each core by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
-    /// Do only a part of the work, as in 2/8: for arrays of jobs on several machines
+    /// Do only a shard of the study, as in 2/8, for arrays of jobs on several machines
     #[arg(long, value_name = "I/N")]
     pub(crate) shard: Option<String>,
-    /// Print one JSON object a study instead of tables
+    /// Print a JSON object for each study instead of tables
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -223,7 +225,7 @@ pub(crate) struct StudyArgs {
 /// What else `study` can do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum StudyCommand {
-    /// Join what shards did, and make tables and report of it
+    /// Join the rollouts of shards, and make tables and a report of them
     #[command(after_help = "Example:\n  legwork study merge node-1 node-2 --into all")]
     Merge(MergeArgs),
 }
@@ -234,7 +236,7 @@ pub(crate) struct MergeArgs {
     /// Folders of shards of one study
     #[arg(required = true, value_name = "DIR")]
     pub(crate) folders: Vec<PathBuf>,
-    /// Folder for the whole, instead of the first
+    /// Folder for the joined study, instead of the first of the folders
     #[arg(long, value_name = "DIR")]
     pub(crate) into: Option<PathBuf>,
     /// Print a JSON object instead of tables
@@ -254,10 +256,10 @@ pub(crate) struct LimitsArgs {
     /// Change a setting
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(crate) sets: Vec<String>,
-    /// Only these parts, separated by commas
+    /// Find out only these parts, separated by commas
     #[arg(long, value_enum, value_name = "PARTS", value_delimiter = ',')]
     pub(crate) only: Vec<Part>,
-    /// Coarser steps, fewer directions and phases, and limits that are not confirmed as well
+    /// Search in coarser steps, over fewer directions and phases, and confirm limits less
     #[arg(long)]
     pub(crate) quick: bool,
     /// How much more than the largest demand an actuator should deliver, as a share
@@ -269,7 +271,7 @@ pub(crate) struct LimitsArgs {
     /// Print one JSON object instead of tables
     #[arg(long)]
     pub(crate) json: bool,
-    /// Number of threads; all cores by default
+    /// Number of threads; one for each core by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
 }
@@ -285,16 +287,16 @@ pub(crate) struct CompareArgs {
     /// A scenario that walks: built in, or a TOML file
     #[arg(value_name = "A", default_value = "walk")]
     pub(crate) first: String,
-    /// Another
+    /// A second scenario that walks: built in, or a TOML file
     #[arg(value_name = "B", default_value = "feet-walk")]
     pub(crate) second: String,
     /// The speeds in m/s, separated by commas; pushes strike at the first that both walk at
     #[arg(long, value_name = "SPEEDS", value_delimiter = ',', default_value = "0.5,1", allow_hyphen_values = true, value_parser = speed)]
     pub(crate) speeds: Vec<f64>,
-    /// Change a setting of both
+    /// Change a setting of both scenarios
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(crate) sets: Vec<String>,
-    /// Coarser steps, fewer phases, a smaller map
+    /// Search in coarser steps, at fewer phases of the stride, over a smaller map
     #[arg(long)]
     pub(crate) quick: bool,
     /// Write a self-contained page with tables and figures
@@ -303,7 +305,7 @@ pub(crate) struct CompareArgs {
     /// Print one JSON object instead of tables
     #[arg(long)]
     pub(crate) json: bool,
-    /// Number of threads; all cores by default
+    /// Number of threads; one for each core by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
 }
@@ -332,7 +334,7 @@ pub(crate) struct ReproduceArgs {
     /// Folder for the tables and logs
     #[arg(long, value_name = "DIR", default_value = "legwork-reproduction")]
     pub(crate) out: PathBuf,
-    /// Number of threads, instead of one a core
+    /// Number of threads; one for each core by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
     /// Print one JSON object instead of a summary
@@ -349,7 +351,7 @@ pub(crate) struct TuneArgs {
     /// Folder for scenarios, tables and results, instead of legwork-tuning-TUNING
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Number of threads, instead of one a core
+    /// Number of threads; one for each core by default
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
     /// How many candidates to try, instead of what the file says
@@ -369,7 +371,7 @@ pub(crate) struct BenchArgs {
     /// Change a setting of every scenario
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(crate) sets: Vec<String>,
-    /// About how long to measure each scenario
+    /// Seconds to spend on each scenario
     #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = seconds)]
     pub(crate) seconds: f64,
     /// Print a JSON object instead of tables
@@ -385,9 +387,12 @@ fn seconds(text: &str) -> Result<f64, String> {
 /// Options of `list`.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct ListArgs {
-    /// What to list; everything by default
+    /// The kind to describe; without it the names of all kinds
     #[arg(value_enum)]
     pub(crate) what: Option<Listing>,
+    /// Only entries of this name, or whose names begin with it, such as a group of settings
+    #[arg(value_name = "NAME")]
+    pub(crate) within: Option<String>,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -402,7 +407,7 @@ pub(crate) enum Listing {
     Scenarios,
     /// Built-in studies
     Studies,
-    /// Every setting of a scenario
+    /// Settings of a scenario, with unit, default, range and source
     Settings,
     /// Every metric of a run
     Metrics,

@@ -12,59 +12,113 @@ use serde_json::{Value, json};
 use crate::args::{ListArgs, Listing, ShowArgs};
 use crate::output::{Failure, Output, folded};
 
+/// What is listed under one heading.
+struct Section {
+    title: &'static str,
+    /// Name, the lines that describe it, and the same for programs.
+    entries: Vec<(String, String, Value)>,
+}
+
 pub(crate) fn list(options: &ListArgs, output: &mut Output) -> Result<(), Failure> {
     let wanted = |listing| options.what.is_none_or(|what| what == listing);
-    let mut object = serde_json::Map::new();
-    let mut sections: Vec<(&str, Vec<String>)> = Vec::new();
+    let mut sections = Vec::new();
     if wanted(Listing::Models) {
         let models = library::model_names().map(builtin_model).collect::<Result<Vec<_>, _>>()?;
-        object.insert("models".into(), models.iter().map(model_json).collect());
-        sections.push(("models", models.iter().map(model_line).collect()));
+        let entry = |m: &Model| (m.name.clone(), model_line(m), model_json(m));
+        sections.push(Section { title: "models", entries: models.iter().map(entry).collect() });
     }
     if wanted(Listing::Scenarios) {
         let scenarios = library::scenario_names()
             .map(|name| scenario_file::load(name, &[]).map(|loaded| loaded.scenario))
             .collect::<Result<Vec<_>, _>>()?;
-        object.insert(
-            "scenarios".into(),
-            scenarios.iter().map(|s| json!({ "name": s.name, "description": s.description })).collect(),
-        );
         let width = scenarios.iter().map(|s| s.name.len()).max().unwrap_or(0);
         let line = |s: &Scenario| folded(&format!("  {:<width$}  {}", s.name, s.description), width + 4);
-        sections.push(("scenarios", scenarios.iter().map(line).collect()));
+        let entry = |s: &Scenario| (s.name.clone(), line(s), json!({ "name": s.name, "description": s.description }));
+        sections.push(Section { title: "scenarios", entries: scenarios.iter().map(entry).collect() });
     }
     if wanted(Listing::Studies) {
         let studies = library::study_names().map(|name| Study::load(name, &[])).collect::<Result<Vec<_>, _>>()?;
         let study_json = |s: &Study| json!({ "name": s.name, "description": s.description, "rollouts": s.len(), "design": s.design });
-        object.insert("studies".into(), studies.iter().map(study_json).collect());
         let width = studies.iter().map(|s| s.name.len()).max().unwrap_or(0);
         let line =
             |s: &Study| folded(&format!("  {:<width$}  {} {} rollouts.", s.name, s.description, s.len()), width + 4);
-        sections.push(("studies", studies.iter().map(line).collect()));
+        let entry = |s: &Study| (s.name.clone(), line(s), study_json(s));
+        sections.push(Section { title: "studies", entries: studies.iter().map(entry).collect() });
     }
     if wanted(Listing::Settings) {
-        object.insert("settings".into(), SETTINGS.iter().map(setting_json).collect());
-        sections.push(("settings", SETTINGS.iter().map(setting_lines).collect()));
+        let entry = |s: &Setting| (s.path.to_owned(), setting_lines(s), setting_json(s));
+        sections.push(Section { title: "settings", entries: SETTINGS.iter().map(entry).collect() });
     }
     if wanted(Listing::Metrics) {
-        let [of_run, of_joint]: [Vec<Value>; 2] =
-            [METRICS.iter().map(metric_json).collect(), JOINT_METRICS.iter().map(metric_json).collect()];
-        object.insert("metrics".into(), of_run.into());
-        object.insert("joint_metrics".into(), of_joint.into());
-        sections.push(("metrics", METRICS.iter().map(metric_lines).collect()));
-        sections.push(("metrics of a joint", JOINT_METRICS.iter().map(metric_lines).collect()));
+        sections.push(Section { title: "metrics", entries: METRICS.iter().map(metric_entry).collect() });
+        sections.push(Section { title: "joint_metrics", entries: JOINT_METRICS.iter().map(metric_entry).collect() });
+    }
+    if let Some(within) = &options.within {
+        restrict(&mut sections, within)?;
     }
     if options.json {
-        return output.line(Value::Object(object));
+        let values = sections.into_iter().map(|section| {
+            (section.title.to_owned(), section.entries.into_iter().map(|(_, _, value)| value).collect())
+        });
+        return output.line(Value::Object(values.collect()));
     }
-    for (title, lines) in sections {
-        output.line(title)?;
-        for line in lines {
-            output.line(line)?;
-        }
-        output.line("")?;
+    if options.what.is_none() {
+        return output.line(overview(&sections));
+    }
+    for (_, lines, _) in sections.iter().flat_map(|section| &section.entries) {
+        output.line(lines)?;
     }
     Ok(())
+}
+
+/// Leaves what is called `within`, or begins so.
+fn restrict(sections: &mut [Section], within: &str) -> Result<(), Error> {
+    let names: Vec<String> =
+        sections.iter().flat_map(|section| &section.entries).map(|entry| entry.0.clone()).collect();
+    let inside = |name: &str| name.strip_prefix(within).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+    let exact = names.iter().any(|name| inside(name));
+    let kept = |name: &str| if exact { inside(name) } else { name.starts_with(within) };
+    if !names.iter().any(|name| kept(name)) {
+        let mut valid: Vec<&str> =
+            names.iter().map(|name| name.rsplit_once('.').map_or(name.as_str(), |(table, _)| table)).collect();
+        valid.dedup();
+        let problem = format!("found '{within}', with which no name begins; valid are {}", valid.join(", "));
+        return Err(Error::invalid("list", problem));
+    }
+    sections.iter_mut().for_each(|section| section.entries.retain(|entry| kept(&entry.0)));
+    Ok(())
+}
+
+/// The names of all there is, on one screen.
+fn overview(sections: &[Section]) -> String {
+    let mut text = String::new();
+    for Section { title, entries } in sections {
+        let names: Vec<String> = if *title == "settings" {
+            groups().into_iter().map(|(group, count)| format!("{group} ({count})")).collect()
+        } else {
+            entries.iter().map(|(name, _, _)| name.clone()).collect()
+        };
+        let more =
+            if *title == "settings" { "; those of one group: legwork list settings controller.weights" } else { "" };
+        let (title, what) =
+            if *title == "joint_metrics" { ("metrics of each joint", "metrics") } else { (*title, *title) };
+        text += &format!("{} {title}: legwork list {what}{more}\n", entries.len());
+        // What belongs together stays on one line.
+        let names: Vec<String> = names.iter().map(|name| name.replace(' ', "\u{a0}")).collect();
+        text += &folded(&format!("  {}", names.join(", ")), 2).replace('\u{a0}', " ");
+        text += "\n\n";
+    }
+    text + "legwork show NAME prints a scenario with all its settings, or a study, as a file."
+}
+
+/// The tables of settings, each with the number of its settings; those of no table by their names.
+fn groups() -> Vec<(&'static str, usize)> {
+    let tables = SETTINGS.chunk_by(|a, b| a.table() == b.table());
+    let group = |settings: &'static [Setting]| match settings[0].table() {
+        "" => settings.iter().map(|setting| (setting.path, 1)).collect(),
+        table => vec![(table, settings.len())],
+    };
+    tables.flat_map(group).collect()
 }
 
 fn builtin_model(name: &str) -> Result<Model, legwork::error::Error> {
@@ -115,20 +169,18 @@ fn setting_json(setting: &Setting) -> Value {
     })
 }
 
-fn metric_lines<Of>(metric: &Metric<Of>) -> String {
+fn metric_entry<Of>(metric: &Metric<Of>) -> (String, String, Value) {
     let unit = if metric.unit.is_empty() { String::new() } else { format!(" [{}]", metric.unit) };
     let heading = format!("  {}: {}{unit}, {}", metric.name, metric.label, metric.kind());
-    [heading, format!("      {}", metric.help)].map(|line| folded(&line, 6)).join("\n")
-}
-
-fn metric_json<Of>(metric: &Metric<Of>) -> Value {
-    json!({
+    let lines = [heading, format!("      {}", metric.help)].map(|line| folded(&line, 6)).join("\n");
+    let value = json!({
         "name": metric.name,
         "label": metric.label,
         "unit": metric.unit,
         "kind": metric.kind(),
         "help": metric.help,
-    })
+    });
+    (metric.name.to_owned(), lines, value)
 }
 
 pub(crate) fn show(options: &ShowArgs, output: &mut Output) -> Result<(), Failure> {

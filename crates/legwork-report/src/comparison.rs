@@ -290,8 +290,8 @@ fn pushes(robots: &[Robot], quick: bool, figures: &mut Figures) -> Option<Sectio
 fn actuators(robot: &Robot, figures: &mut Figures) -> Chapter {
     let sizing = &robot.sizing;
     let table = html! {
-        p { "The largest figures of the speeds that it walks at, with a margin of " (format!("{:.0} %", 100.0 * sizing.margin)) ". Where a joint is at its torque limit for a share of the time, its peak torque says nothing of the need: the limit does." }
-        @if sizing.uses.is_empty() { p class="banner bad" { "It walks at none of the speeds." } } @else { (demands(&sizing.required)) }
+        p { "The largest figures of the speeds that the robot walks at, with a margin of " (format!("{:.0} %", 100.0 * sizing.margin)) ". Where a joint is at its torque limit for a share of the time, its peak torque says nothing of the need: the limit does." }
+        @if sizing.uses.is_empty() { p class="banner bad" { "The robot walks at none of the speeds." } } @else { (demands(&sizing.required)) }
         @for used in &sizing.uses { (torque_speed_figure(used, figures)) }
     };
     let map = Section {

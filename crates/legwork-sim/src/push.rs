@@ -41,13 +41,12 @@ impl Pushes {
                 })?;
                 Place::Body { body, point: model.bodies[body].com + Vector3::from(push.point_m) }
             };
-            let (sin, cos) = libm::sincos(push.direction_deg.to_radians());
-            let (left, ahead) = libm::sincos(push.heading_deg.to_radians());
-            if model.is_planar() && left != 0.0 {
+            let direction = push.direction();
+            if model.is_planar() && direction.y != 0.0 {
                 let problem = format!("found {}; valid is 0 for a planar robot", push.heading_deg);
                 return Err(Error::invalid(format!("pushes.{index}.heading_deg"), problem));
             }
-            Ok((push.clone(), place, push.force_n * Vector3::new(cos * ahead, cos * left, sin)))
+            Ok((push.clone(), place, push.force_n * direction))
         };
         let pushes = pushes.iter().enumerate().map(resolve).collect::<Result<_, Error>>()?;
         Ok(Self { pushes })

@@ -1,5 +1,6 @@
 //! The simulator: integration, contact, sensors, actuators; pushes.
 
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 /// The simulator.
@@ -93,6 +94,43 @@ pub struct Push {
     pub point_m: [f64; 3],
 }
 
+impl Push {
+    /// The unit vector along which a positive force acts, in the world frame.
+    pub fn direction(&self) -> Vector3<f64> {
+        let (up, along) = libm::sincos(self.direction_deg.to_radians());
+        let (left, ahead) = libm::sincos(self.heading_deg.to_radians());
+        Vector3::new(along * ahead, along * left, up)
+    }
+
+    /// Size and direction of the force, such as `200 N to the left` or `90 N backward, 30\u{b0} upward`.
+    pub fn in_words(&self) -> String {
+        let way = if self.force_n < 0.0 { -self.direction() } else { self.direction() };
+        let along = libm::hypot(way.x, way.y);
+        let whole = |radians: f64| (radians.to_degrees() * 10.0).round() / 10.0;
+        let (heading, rise) = (whole(libm::atan2(way.y, way.x)), whole(libm::atan2(way.z, along)));
+        let size = self.force_n.abs();
+        let horizontal = match heading {
+            0.0 => "forward".to_owned(),
+            90.0 => "to the left".to_owned(),
+            -90.0 => "to the right".to_owned(),
+            heading if heading.abs() == 180.0 => "backward".to_owned(),
+            heading => {
+                format!("{}\u{b0} to the {} of forward", heading.abs(), if heading > 0.0 { "left" } else { "right" })
+            }
+        };
+        match rise {
+            0.0 => format!("{size} N {horizontal}"),
+            90.0 => format!("{size} N up"),
+            -90.0 => format!("{size} N down"),
+            rise => format!(
+                "{size} N {horizontal}, {}\u{b0} {}",
+                rise.abs(),
+                if rise > 0.0 { "upward" } else { "downward" }
+            ),
+        }
+    }
+}
+
 impl Default for Push {
     fn default() -> Self {
         Self {
@@ -146,6 +184,31 @@ impl Default for SimulationSettings {
             },
             sensors: SensorSettings { position_noise: 0.0, velocity_noise: 0.0, delay_s: 0.0 },
             actuators: ActuatorSettings { delay_s: 0.0, lag_s: 0.0 },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Push;
+
+    #[test]
+    fn a_push_is_called_after_where_it_goes() {
+        for (force_n, direction_deg, heading_deg, words) in [
+            (200.0, 0.0, 0.0, "200 N forward"),
+            (200.0, 0.0, 90.0, "200 N to the left"),
+            (200.0, 0.0, -90.0, "200 N to the right"),
+            (200.0, 180.0, 90.0, "200 N to the right"),
+            (-234.0, 0.0, 0.0, "234 N backward"),
+            (50.0, 180.0, 0.0, "50 N backward"),
+            (50.0, 90.0, 30.0, "50 N up"),
+            (50.0, 270.0, 0.0, "50 N down"),
+            (12.5, 150.0, 0.0, "12.5 N backward, 30\u{b0} upward"),
+            (90.0, -60.0, 45.0, "90 N 45\u{b0} to the left of forward, 60\u{b0} downward"),
+        ] {
+            let push = Push { force_n, direction_deg, heading_deg, ..Push::default() };
+            assert_eq!(push.in_words(), words);
+            assert!((push.direction().norm() - 1.0).abs() < 1e-15);
         }
     }
 }

@@ -110,9 +110,9 @@ metrics! {
         "Absolute difference of the torso's angle from its reference.";
     torque_nm: Option<MeanPeak> = Pair, "joint torque", "Nm",
         "Absolute torque that the controller asks for, over the actuated joints.";
-    grf_n: Option<MeanPeak> = Pair, "ground reaction force", "N",
+    grf_n: Option<MeanPeak> = Pair, "force on a contact point", "N",
         "Euclidean norm of the force on a contact point in the controller's program (ρ), over all contact points, zero included.";
-    grf_simulated_n: Option<MeanPeak> = Pair, "simulated ground reaction force", "N",
+    grf_simulated_n: Option<MeanPeak> = Pair, "simulated force on a contact point", "N",
         "Euclidean norm of the physics' force on a contact point, averaged over the control period, over all contact points; impacts \
          are peaks here.";
     u2_n2m2: Option<MeanPeak> = Pair, "u²", "N²m²",

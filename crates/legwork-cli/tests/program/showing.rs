@@ -52,7 +52,7 @@ fn everything_is_listed() {
         assert_eq!(alone[part], all[part]);
     }
 
-    let text = folder.legwork(&["list"]).succeeds().out;
+    let text = folder.legwork(&["list", "settings"]).succeeds().out;
     for setting in settings {
         let path = setting["path"].as_str().unwrap();
         assert!(text.lines().any(|line| line.split(' ').nth(2) == Some(path)), "{path}");
@@ -60,6 +60,43 @@ fn everything_is_listed() {
     for line in text.lines() {
         assert!(line.chars().count() <= 80, "{line}");
     }
+}
+
+#[test]
+fn the_overview_fits_a_screen_and_says_how_to_see_more() {
+    let folder = Folder::new("overview");
+    let all = folder.json(&["list", "--json"]).remove(0);
+    let text = folder.legwork(&["list"]).succeeds().out;
+    assert!(text.lines().count() <= 40 && text.lines().all(|line| line.chars().count() <= 80), "{text}");
+    let words: Vec<&str> = text.split([' ', ',', '\n']).collect();
+    for part in ["models", "scenarios", "studies"] {
+        assert!(names(&all[part]).iter().all(|name| words.contains(name)), "{part}: {text}");
+    }
+    for line in text.lines().filter_map(|line| line.split_once(": legwork ")) {
+        let command: Vec<&str> = line.1.split(';').next().unwrap().split(' ').collect();
+        folder.legwork(&command).succeeds();
+    }
+    for (group, count) in [("controller.weights", 15), ("wearer", 2), ("duration_s", 1)] {
+        let found = folder.json(&["list", "settings", group, "--json"]).remove(0);
+        assert_eq!(found["settings"].as_array().unwrap().len(), count, "{group}");
+        let shown = if count == 1 { group.to_owned() } else { format!("{group} ({count})") };
+        assert!(text.contains(&shown), "{shown}: {text}");
+    }
+    let walks = folder.json(&["list", "scenarios", "walk", "--json"]).remove(0);
+    assert_eq!(names(&walks["scenarios"]), ["walk"]);
+    let refused = folder.legwork(&["list", "settings", "controler"]);
+    assert_eq!(refused.code, 2);
+    assert!(refused.err.contains("'controler'") && refused.err.contains("controller.weights"), "{}", refused.err);
+}
+
+#[test]
+fn comments_of_a_shown_scenario_are_wrapped() {
+    let folder = Folder::new("wrapped");
+    let text = folder.legwork(&["show", "push"]).succeeds().out;
+    for line in text.lines().filter(|line| line.starts_with('#')) {
+        assert!(line.chars().count() <= 100, "{line}");
+    }
+    assert!(text.lines().any(|line| line.chars().count() > 90), "as wide as it may be");
 }
 
 /// Runs the examples of all the help pages, one after the other, in one folder.

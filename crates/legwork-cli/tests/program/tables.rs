@@ -20,7 +20,7 @@ fn without_arguments_the_experiments_of_the_thesis_are_repeated() {
     // The published figures as they are printed: mean and peak at the end of the line
     for (table, label, published) in [
         (tables[0], "CoM error [m]", "0.013 0.028"),
-        (tables[0], "ground reaction force [N]", "356.1 1027"),
+        (tables[0], "force on a contact point [N]", "356.1 1027"),
         (tables[0], "single support", "0.35"),
         (tables[1], "joint torque [Nm]", "59.6 220"),
         (tables[1], "recovery time [s]", "4.2"),
@@ -46,7 +46,7 @@ fn numbers_stand_under_their_headings() {
     let end = |line: &str| line.chars().count();
     let heading = done.out.lines().find(|line| line.trim_start().starts_with("mean")).expect("a heading");
     let measured = heading.find("peak").unwrap() + 4;
-    for label in ["simulated ground reaction force [N]", "steps"] {
+    for label in ["simulated force on a contact point [N]", "steps"] {
         let line = done.out.lines().find(|line| line.trim_start().starts_with(label)).expect("a row");
         let column = if label == "steps" { heading.find("mean").unwrap() + 4 } else { measured };
         assert_eq!(end(line), column, "{heading}\n{line}");

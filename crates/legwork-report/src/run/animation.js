@@ -17,10 +17,13 @@ function open() {
 function animate(figure) {
   const find = (selector) => figure.querySelector(selector);
   const data = JSON.parse(find(".frames").textContent);
-  const [world, pose, stage] = [find(".world"), [...find(".pose").children], find(".stage")];
+  const stages = [...figure.querySelectorAll(".stage")].map((svg, k) => ({
+    ...data.stages[k], svg, world: svg.querySelector(".world"), pose: [...svg.querySelector(".pose").children],
+  }));
   const [play, slider, clock, speed, state] = [".play", ".time", ".clock", ".speed", ".state"].map(find);
   const last = data.frames.length - 1;
   const end = last * data.period;
+  const start = (data.slope * data.frames[0][data.axes * data.points]) / 1000; // of the ground below the robot [m]
   let now = 0;        // [s]
   let playing = null; // when the latest frame was drawn [ms]
   const cursors = [];
@@ -31,36 +34,40 @@ function animate(figure) {
     const index = Math.min(Math.floor(place), Math.max(last - 1, 0));
     const [a, b, share] = [data.frames[index], data.frames[Math.min(index + 1, last)], place - index];
     const near = share < 0.5 ? a : b;
-    const held = a.length - 1 - 4 * data.pushes;
+    const held = a.length - 1 - 2 * data.axes * data.pushes;
     return near.map((value, k) => (k < held ? a[k] + share * (b[k] - a[k]) : value));
   }
 
   function draw() {
     const values = row(now);
     let next = 0;
-    const pair = () => [values[next++], values[next++]];
-    const metres = () => pair().map((value) => value / 1000);
+    const vector = () => {
+      const [x, ...rest] = Array.from({ length: data.axes }, () => values[next++]);
+      return rest.length > 1 ? [x, ...rest] : [x, 0, rest[0]];
+    };
+    const metres = () => vector().map((value) => value / 1000);
     const many = (count, take) => Array.from({ length: count }, take);
     const points = many(data.points, metres);
     const [com, reference, xcom, right, left] = many(5, metres);
-    const forces = many(data.contacts.length, pair);
-    const pushes = many(data.pushes, () => [pair(), metres()]);
+    const forces = many(data.contacts.length, vector);
+    const pushes = many(data.pushes, () => [vector(), metres()]);
     const contacts = data.contacts.map((point) => points[point]);
 
-    let part = 0;
-    const d = (path) => pose[part++].setAttribute("d", path);
-    const move = (point) => pose[part++].setAttribute("transform", `translate(${pixel(point).map(tenth).join(" ")})`);
-    contacts.forEach((point, k) => d(Math.hypot(...forces[k]) > 1 ? cone(point) : ""));
-    data.links.forEach(([a, b]) => d(path([pixel(points[a]), pixel(points[b])])));
-    data.joints.forEach((joint) => move(points[joint]));
-    d(net(contacts, forces));
-    contacts.forEach((point, k) => d(arrow(pixel(point), tip(point, forces[k]))));
-    pushes.forEach(([force, at]) => d(push(force, at)));
-    [right, left, xcom, reference, com].forEach(move);
-
-    const [x, height] = camera(com);
-    const [across, down] = pixel([x, height]);
-    world.setAttribute("transform", `translate(${tenth(data.stage[0] / 2 - across)} ${tenth(data.stage[1] - down)})`);
+    for (const stage of stages) {
+      let part = 0;
+      const { pixel, cone, tip, push, net } = view(stage, data.slope * com[0]);
+      const d = (path) => stage.pose[part++].setAttribute("d", path);
+      const move = (point) => stage.pose[part++].setAttribute("transform", `translate(${pixel(point).map(tenth).join(" ")})`);
+      contacts.forEach((point, k) => d(Math.hypot(...forces[k]) > 1 ? cone(point) : ""));
+      data.links.forEach(([a, b]) => d(path([pixel(points[a]), pixel(points[b])])));
+      data.joints.forEach((joint) => move(points[joint]));
+      d(net(contacts, forces));
+      contacts.forEach((point, k) => d(arrow(pixel(point), tip(point, forces[k]))));
+      pushes.forEach(([force, at]) => d(push(force, at)));
+      [right, left, xcom, reference, com].forEach(move);
+      const [across, down] = pixel(camera(stage, com));
+      stage.world.setAttribute("transform", `translate(${tenth(stage.size[0] / 2 - across)} ${tenth(stage.size[1] - down)})`);
+    }
     slider.value = Math.round(now / data.period);
     clock.textContent = `${now.toFixed(3)} s`;
     slider.setAttribute("aria-valuetext", clock.textContent);
@@ -70,25 +77,18 @@ function animate(figure) {
   }
 
   // Stands still where the whole run can be seen, else follows the centre of mass.
-  function camera(com) {
-    const box = stage.getBoundingClientRect();
-    const view = stage.viewBox.baseVal;
+  function camera({ svg, across, range: [low, high] }, com) {
+    const box = svg.getBoundingClientRect();
+    const view = svg.viewBox.baseVal;
     const zoom = Math.max(box.width / view.width, box.height / view.height) || 1;
     const visible = box.width / zoom / data.scale;
-    const [low, high] = data.range;
-    const x = high - low + 0.5 < visible ? (low + high) / 2 : com[0];
-    return [x, data.slope * x];
+    const place = [...com];
+    if (high - low + 0.5 < visible) place[across] = (low + high) / 2;
+    return [place[0], place[1], data.slope * place[0]];
   }
 
   const tenth = (value) => Math.round(10 * value) / 10;
-  const pixel = ([x, z]) => [data.scale * x, -data.scale * z];
   const path = (line) => line.map((point, k) => (k ? "L" : "M") + point.map(tenth).join(" ")).join("");
-  const along = (point, direction, length) => point.map((value, k) => value + length * direction[k]);
-  const tip = (point, force) => pixel(along(point, force, data.metres_per_newton));
-  const cone = (point) => {
-    const edges = data.cone.map((edge) => pixel(along(point, edge, data.cone_length)));
-    return path([edges[0], pixel(point), edges[1]]) + "Z";
-  };
   function arrow(tail, tip) {
     const [x, y] = [tip[0] - tail[0], tip[1] - tail[1]];
     const length = Math.hypot(x, y);
@@ -97,18 +97,36 @@ function animate(figure) {
     const corner = (side) => [tip[0] - head * (x + side * 0.4 * y), tip[1] - head * (y - side * 0.4 * x)];
     return path([tail, [tip[0] - 0.8 * head * x, tip[1] - 0.8 * head * y]]) + path([corner(1), tip, corner(-1)]) + "Z";
   }
-  function push(force, at) {
-    const [[x, y], size] = [pixel(at), Math.hypot(...force)];
-    if (!size) return "";
-    const before = (distance) => [x - (distance * force[0]) / size, y + (distance * force[1]) / size];
-    return arrow(before(8 + data.scale * data.metres_per_newton * size), before(8));
-  }
-  function net(contacts, forces) {
-    const sizes = forces.map((force) => Math.hypot(...force));
-    const weight = Math.max(1e-9, sizes.reduce((sum, size) => sum + size, 0));
-    const sum = (list, weights) => [0, 1].map((k) => list.reduce((total, item, i) => total + weights[i] * item[k], 0));
-    const centre = sum(contacts, sizes).map((value) => value / weight);
-    return arrow(pixel(centre), tip(centre, sum(forces, sizes.map(() => 1))));
+
+  // How a stage shows places and forces. From the front the ground is level and stays as high as where the robot began.
+  function view({ across, cone }, ground) {
+    const base = across === 0 ? 0 : ground - start;
+    const pixel = (point) => [data.scale * point[across], -data.scale * (point[2] - base)];
+    const seen = (force) => [force[across], force[2]];
+    const tip = (point, force) => pixel(point.map((value, k) => value + data.metres_per_newton * force[k]));
+    return {
+      pixel,
+      tip,
+      cone(point) {
+        const [x, y] = pixel(point);
+        const edge = ([a, b]) => [x + data.scale * data.cone_length * a, y - data.scale * data.cone_length * b];
+        return path([edge(cone[0]), [x, y], edge(cone[1])]) + "Z";
+      },
+      push(force, at) {
+        const [[x, y], [a, b]] = [pixel(at), seen(force)];
+        const size = Math.hypot(a, b);
+        if (size < 1) return "";
+        const before = (distance) => [x - (distance * a) / size, y + (distance * b) / size];
+        return arrow(before(8 + data.scale * data.metres_per_newton * size), before(8));
+      },
+      net(contacts, forces) {
+        const sizes = forces.map((force) => Math.hypot(...force));
+        const weight = Math.max(1e-9, sizes.reduce((sum, size) => sum + size, 0));
+        const sum = (list, weights) => [0, 1, 2].map((k) => list.reduce((total, item, i) => total + weights[i] * item[k], 0));
+        const centre = sum(contacts, sizes).map((value) => value / weight);
+        return arrow(pixel(centre), tip(centre, sum(forces, sizes.map(() => 1))));
+      },
+    };
   }
 
   function seek(time) {
@@ -136,7 +154,7 @@ function animate(figure) {
   const toggle = () => setPlaying(playing === null);
   play.addEventListener("click", toggle);
   slider.addEventListener("input", () => { setPlaying(false); seek(slider.value * data.period); });
-  stage.addEventListener("click", () => { figure.focus({ preventScroll: true }); toggle(); });
+  stages.forEach(({ svg }) => svg.addEventListener("click", () => { figure.focus({ preventScroll: true }); toggle(); }));
   figure.addEventListener("keydown", (event) => {
     if (event.target === speed || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.target === play && [" ", "Enter"].includes(event.key)) return;

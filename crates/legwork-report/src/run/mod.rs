@@ -14,6 +14,7 @@ pub(crate) mod tests;
 
 use legwork::diagnosis;
 use legwork::episode::{Outcome, Run};
+use legwork::scenario::GeneratorKind;
 use legwork::scenario_file;
 use maud::{Markup, PreEscaped, html};
 
@@ -101,7 +102,7 @@ fn article(run: &Run, number: usize) -> Markup {
                     @match anchor {
                         "motion" => { (stage::animation(run, &format!("{id}-animation"))) (shown(&["poses"])) }
                         "figures" => (tables::comparison(run)),
-                        "tracking" => (shown(&["tracking-x", "tracking-z"])),
+                        "tracking" => (shown(&["tracking-x", "tracking-y", "tracking-z"])),
                         "balance" => (shown(&["balance", "capture"])),
                         "books" => (books(run)),
                         "repeat" => (repeat(run)),
@@ -140,27 +141,20 @@ fn head(run: &Run) -> Markup {
                 } " "
                 span { "model " b { (scenario.model) } } " "
                 span { b { (number(model.total_mass())) " kg" } } " "
-                @if let Some(steps) = run.metrics.steps {
+                @if let Some(steps) = run.metrics.steps.filter(|_| scenario.reference.generator != GeneratorKind::Stance) {
                     span { b { (steps) } " steps" } " "
                 }
                 span { "friction " b { (scenario.ground.friction) } } " "
                 span { "slope " b { (scenario.ground.slope_deg) "\u{b0}" } } " "
                 @for push in &scenario.pushes {
                     span {
-                        "push " b { (push.force_n) " N " (direction(push.direction_deg)) } " on " (push.at) " at "
+                        "push " b { (push.in_words()) } " on " (push.at) " at "
                         (push.start_s) " s for " (push.duration_s) " s"
                     } " "
                 }
             }
         }
     }
-}
-
-/// A push's direction in words, where it is one of four.
-fn direction(degrees: f64) -> String {
-    let words = ["forward", "up", "backward", "down"];
-    let quarter = degrees.rem_euclid(360.0) / 90.0;
-    if quarter.fract() == 0.0 { words[quarter as usize % 4].into() } else { format!("at {degrees}\u{b0}") }
 }
 
 fn drawn(figure: &Figure) -> Markup {

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::figures::{plain, side};
 use super::limits;
-use super::stick::{Planar, Pose, Poses, View, translate};
+use super::stick::{Planar, Pose, Poses, Spatial, View, translate};
 use crate::charts::numbers::{Px, extent};
 use crate::charts::svg;
 
@@ -28,14 +28,13 @@ struct Data<'a> {
     /// [px/m]
     scale: f64,
     metres_per_newton: f64,
-    cone: [Planar; 2],
     cone_length: f64,
     /// Rise of the ground along x.
     slope: f64,
-    /// Width of the stage and place of the ground in it [px].
-    stage: [f64; 2],
-    /// What the robot covers along x [m].
-    range: Planar,
+    /// Numbers of a place: x and z, or x, y and z.
+    axes: usize,
+    /// A stage for each side from which the robot is seen.
+    stages: Vec<Stage>,
     points: usize,
     links: Vec<[usize; 2]>,
     joints: &'a [usize],
@@ -47,6 +46,19 @@ struct Data<'a> {
     frames: Vec<Vec<i64>>,
 }
 
+/// A side from which the robot is seen.
+#[derive(Serialize)]
+struct Stage {
+    /// The axis that runs across it: 0 is x, 1 is y.
+    across: usize,
+    /// The edges of a friction cone.
+    cone: [Planar; 2],
+    /// Width of the stage and place of the ground in it [px].
+    size: [f64; 2],
+    /// What the robot covers [m].
+    range: Planar,
+}
+
 /// The animation of `run`, hidden until the script shows it; nothing for a run without records.
 pub(super) fn animation(run: &Run, id: &str) -> Markup {
     if run.log.is_empty() {
@@ -54,26 +66,31 @@ pub(super) fn animation(run: &Run, id: &str) -> Markup {
     }
     let mut poses = Poses::new(run);
     let scale = (SIZE[1] - FOOT) / (1.17 * poses.height());
-    let view = View::new(&mut poses, scale);
+    let sides = poses.sides();
+    let views: Vec<View> = sides.iter().map(|&side| View::new(&mut poses, side, scale.round())).collect();
     let stride =
         ((PERIOD / run.scenario.controller.period_s).round() as usize).max(run.log.len().div_ceil(MOST)).max(1);
     let records: Vec<usize> = (0..run.log.len()).step_by(stride).collect();
     let shown: Vec<Pose> = records.iter().map(|&record| poses.at(record)).collect();
-    let range = extent(shown.iter().flat_map(|pose| pose.points.iter().map(|point| point[0])));
-    let range = range.map_or([0.0, 0.0], |(low, high)| [low, high]);
-
+    let width = SIZE[0] / sides.len() as f64;
+    let stage = |view: &View| {
+        let across = view.side as usize;
+        let range = extent(shown.iter().flat_map(|pose| pose.points.iter().map(|point| point[across])));
+        let range = range.map_or([0.0, 0.0], |(low, high)| [low, high]);
+        Stage { across, cone: view.cone, size: [width, SIZE[1] - FOOT], range }
+    };
+    let axes = run.model.linear_axes().len();
     let mut states = Vec::new();
     let frames =
-        records.iter().zip(&shown).map(|(&record, pose)| frame(pose, state(run, record, &mut states))).collect();
+        records.iter().zip(&shown).map(|(&record, pose)| frame(pose, axes, state(run, record, &mut states))).collect();
     let data = Data {
         period: stride as f64 * run.scenario.controller.period_s,
         scale: scale.round(),
-        metres_per_newton: view.metres_per_newton,
-        cone: view.cone,
-        cone_length: view.cone_length,
+        metres_per_newton: views[0].metres_per_newton,
+        cone_length: views[0].cone_length,
         slope: poses.ground.height_at(1.0),
-        stage: [SIZE[0], SIZE[1] - FOOT],
-        range,
+        axes,
+        stages: views.iter().map(stage).collect(),
         points: shown[0].points.len(),
         links: poses.skeleton.links.iter().map(|(ends, _)| *ends).collect(),
         joints: &poses.skeleton.joints,
@@ -82,30 +99,40 @@ pub(super) fn animation(run: &Run, id: &str) -> Markup {
         states,
         frames,
     };
-    let view = View { scale: data.scale, ..view };
-    markup(run, id, &data, &view, &poses, &shown)
+    markup(run, id, &data, &views, &poses, &shown)
 }
 
-fn markup(run: &Run, id: &str, data: &Data<'_>, view: &View, poses: &Poses<'_>, shown: &[Pose]) -> Markup {
+/// A stage with the first pose on it.
+fn stage(run: &Run, stage: &Stage, view: &View, poses: &Poses<'_>, shown: &[Pose]) -> Markup {
     let first = &shown[0];
-    let half = 0.5 * SIZE[0] / view.scale + 1.0;
-    let floor = [data.range[0] - half, data.range[1] + half];
+    let width = stage.size[0];
+    let half = 0.5 * width / view.scale + 1.0;
+    let floor = [stage.range[0] - half, stage.range[1] + half];
     // Numbers stay countable however far the robot went.
     let step =
         [0.5, 1.0, 5.0, 20.0, 100.0].into_iter().find(|step| (floor[1] - floor[0]) / step < 200.0).unwrap_or(1e3);
-    let [x, base] = view.pixel([first.com[0], poses.ground.height_at(first.com[0])]);
-    let camera = translate([0.5 * SIZE[0] - x, data.stage[1] - base]);
+    let [x, y, _] = first.com;
+    let [across, base] = view.pixel([x, y, poses.ground.height_at(x)]);
+    let camera = translate([0.5 * width - across, stage.size[1] - base]);
+    html! {
+        svg.figure.stage viewBox={ "0 0 " (Px(width)) " " (Px(SIZE[1])) } preserveAspectRatio="xMidYMid slice"
+            role="img" aria-label={ "Stick figure of the robot, seen " (view.side.name()) ", at the time that the slider shows" } {
+            g.world transform=(camera) {
+                (view.ground(&poses.ground, x, floor, step, 10.0 * SIZE[1]))
+                @for (class, d) in trails(view, poses, shown) { path class={ "trail " (class) } d=(d) {} }
+                g.pose { (view.draw(first, &poses.skeleton, &run.model)) }
+            }
+        }
+    }
+}
+
+fn markup(run: &Run, id: &str, data: &Data<'_>, views: &[View], poses: &Poses<'_>, shown: &[Pose]) -> Markup {
     let last = data.frames.len() - 1;
     html! {
         figure.animation id=(id) hidden tabindex="0" data-scenario=(run.scenario.name)
             aria-label={ "Animation of " (run.scenario.name) } {
-            svg.figure.stage viewBox={ "0 0 " (Px(SIZE[0])) " " (Px(SIZE[1])) } preserveAspectRatio="xMidYMid slice"
-                role="img" aria-label="Stick figure of the robot at the time that the slider shows" {
-                g.world transform=(camera) {
-                    (view.ground(&poses.ground, floor, step, 10.0 * SIZE[1]))
-                    @for (class, d) in trails(view, poses, shown) { path class={ "trail " (class) } d=(d) {} }
-                    g.pose { (view.draw(first, &poses.skeleton, &run.model)) }
-                }
+            div.stages {
+                @for (view, of) in views.iter().zip(&data.stages) { (stage(run, of, view, poses, shown)) }
             }
             div.controls {
                 button.play type="button" aria-label="Play" { "\u{25b6}" }
@@ -123,6 +150,7 @@ fn markup(run: &Run, id: &str, data: &Data<'_>, view: &View, poses: &Poses<'_>, 
             }
             p.state { "\u{a0}" }
             figcaption {
+                @if views.len() > 1 { "Seen from the robot's right side, and from the front, where its left is on the right. " }
                 "Marks as in the poses below. Space plays and pauses, \u{2190} and \u{2192} move by a frame (with Shift by ten), Home and End to the ends. \
                  The vertical line in the charts below shows the time; a click there moves to it, \
                  and so does #" (run.scenario.name) "@1.50 at the end of this page's address."
@@ -139,7 +167,7 @@ fn embedded(data: &Data<'_>) -> String {
 
 /// The ways of the feet and of the centre of mass.
 fn trails(view: &View, poses: &Poses<'_>, shown: &[Pose]) -> Vec<(&'static str, String)> {
-    let trail = |place: &dyn Fn(&Pose) -> Planar| {
+    let trail = |place: &dyn Fn(&Pose) -> Spatial| {
         let mut line: Vec<Planar> = Vec::new();
         for pose in shown {
             let pixel = view.pixel(place(pose));
@@ -154,16 +182,19 @@ fn trails(view: &View, poses: &Poses<'_>, shown: &[Pose]) -> Vec<(&'static str, 
     feet.chain([("", trail(&|pose: &Pose| pose.com))]).collect()
 }
 
-fn frame(pose: &Pose, state: usize) -> Vec<i64> {
+fn frame(pose: &Pose, axes: usize, state: usize) -> Vec<i64> {
     let whole = |value: f64| value.round().clamp(-1e9, 1e9) as i64;
-    let mm = |point: &Planar| point.map(|metres| whole(1e3 * metres));
+    // In the plane nothing is said of y.
+    let kept = |[x, y, z]: Spatial| if axes == 2 { vec![x, z] } else { vec![x, y, z] };
+    let mm = |point: &Spatial| kept(*point).into_iter().map(|metres| whole(1e3 * metres)).collect::<Vec<_>>();
+    let newtons = |force: Spatial| kept(force).into_iter().map(whole).collect::<Vec<_>>();
     let mut row: Vec<i64> = pose.points.iter().flat_map(mm).collect();
     let marks = [pose.com, pose.com_reference, pose.xcom, pose.feet[0], pose.feet[1]];
     row.extend(marks.iter().flat_map(mm));
-    row.extend(pose.forces.iter().flat_map(|force| force.map(whole)));
+    row.extend(pose.forces.iter().flat_map(|force| newtons(*force)));
     for push in &pose.pushes {
-        let [force, at] = push.unwrap_or([[0.0; 2]; 2]);
-        row.extend(force.map(whole).into_iter().chain(mm(&at)));
+        let [force, at] = push.unwrap_or([[0.0; 3]; 2]);
+        row.extend(newtons(force).into_iter().chain(mm(&at)));
     }
     row.push(state as i64);
     row

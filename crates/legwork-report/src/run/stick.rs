@@ -1,9 +1,10 @@
-//! The stick figure: where its links, marks and forces are at a moment. Thesis Figure 6.3
+//! The stick figure: where its links, marks and forces are at a moment, seen from a side. Thesis Figure 6.3
 
 use legwork::episode::Run;
+use legwork::generator::xcom::{eigenfrequency, xcom};
 use legwork::log::Field;
 use legwork::terrain::Terrain;
-use legwork_rbd::{Dynamics, Model};
+use legwork_rbd::{Body, Dynamics, Model};
 use maud::{Markup, html};
 use nalgebra::Vector3;
 
@@ -14,7 +15,9 @@ use crate::charts::svg::{self, Key, Symbol};
 /// How far before its point a push ends, so that its tip is seen beside the mark of the centre of mass [px].
 const SHORT: f64 = 8.0;
 
-/// A point or a force in the x-z plane [m, N].
+/// A point or a force in space [m, N].
+pub(super) type Spatial = [f64; 3];
+/// A point or a force as seen from a side: across and up [m, N], or on paper: across and down [px].
 pub(super) type Planar = [f64; 2];
 
 /// Points of the robot, and which of them are joined.
@@ -34,7 +37,7 @@ pub(super) struct Skeleton {
 
 impl Skeleton {
     /// The bodies of `run`'s model as lines: from a body's joint to the joints and contact points that it carries, and
-    /// where it carries none (and for the torso) to a tip at twice the distance of its centre of mass.
+    /// where it carries none (and for the torso) to the end of the rod that has its mass, centre of mass and inertia.
     pub(super) fn new(run: &Run) -> Self {
         let model = &run.model;
         let mut new = Self { points: vec![], links: vec![], joints: vec![], contacts: vec![], pushed: vec![] };
@@ -49,11 +52,9 @@ impl Skeleton {
             new.links.extend(ends.into_iter().map(|end| ([joints[body], end], side)));
         }
         new.joints = joints[(model.root() + 1).min(joints.len())..].to_vec();
-        // A foot with several contact points has a sole.
-        for (k, pair) in model.contacts.windows(2).enumerate() {
-            if pair[0].body == pair[1].body {
-                new.links.push(([new.contacts[k], new.contacts[k + 1]], side(&model.bodies[pair[0].body].name)));
-            }
+        for body in 0..model.bodies.len() {
+            let sole = sole(model, body).into_iter().map(|ends| ends.map(|contact| new.contacts[contact]));
+            new.links.extend(sole.map(|ends| (ends, side(&model.bodies[body].name))));
         }
         // The viewer stands on the right of the robot.
         new.links.sort_by_key(|(_, side)| ["left", "", "right"].iter().position(|known| known == side));
@@ -78,11 +79,37 @@ impl Skeleton {
         let contacts = contacts.map(|(contact, &point)| (point, contact.position));
         let far = |(point, place): (usize, Vector3<f64>)| (place.norm() > 1e-3).then_some(point);
         let mut ends: Vec<usize> = children.chain(contacts).filter_map(far).collect();
-        let tip = 2.0 * model.bodies[body].com;
+        let tip = tip(&model.bodies[body]);
         if (ends.is_empty() || body == model.torso) && tip.norm() > 1e-3 {
             ends.push(self.add(body, tip));
         }
         ends
+    }
+}
+
+/// The far end of the uniform rod from near a body's joint that has the body's mass, centre of mass and inertia about a
+/// line across: a rod of the length l has m l²/12.
+fn tip(body: &Body) -> Vector3<f64> {
+    let distance = body.com.norm();
+    if distance < 1e-3 || body.mass <= 0.0 {
+        return body.com;
+    }
+    let along = body.com / distance;
+    let across = 0.5 * (body.inertia.trace() - along.dot(&(body.inertia * along)));
+    body.com + (3.0 * across.max(0.0) / body.mass).sqrt() * along
+}
+
+/// The outline of a body's contact points, from point to point around their middle: two contact points each.
+fn sole(model: &Model, body: usize) -> Vec<[usize; 2]> {
+    let mut points: Vec<usize> = (0..model.contacts.len()).filter(|&k| model.contacts[k].body == body).collect();
+    let place = |k: usize| model.contacts[k].position;
+    let middle = points.iter().map(|&k| place(k)).sum::<Vector3<f64>>() / points.len().max(1) as f64;
+    let angle = |k: usize| (place(k).y - middle.y).atan2(place(k).x - middle.x);
+    points.sort_by(|&a, &b| angle(a).total_cmp(&angle(b)));
+    match points[..] {
+        [] | [_] => Vec::new(),
+        [a, b] => vec![[a, b]],
+        _ => (0..points.len()).map(|k| [points[k], points[(k + 1) % points.len()]]).collect(),
     }
 }
 
@@ -92,17 +119,17 @@ pub(super) struct Pose {
     /// [s]
     pub(super) time: f64,
     /// The points of the skeleton [m].
-    pub(super) points: Vec<Planar>,
-    pub(super) com: Planar,
-    pub(super) com_reference: Planar,
+    pub(super) points: Vec<Spatial>,
+    pub(super) com: Spatial,
+    pub(super) com_reference: Spatial,
     /// The extrapolated centre of mass, on the ground.
-    pub(super) xcom: Planar,
+    pub(super) xcom: Spatial,
     /// References of the right and the left foot.
-    pub(super) feet: [Planar; 2],
+    pub(super) feet: [Spatial; 2],
     /// The program's force on each contact point [N].
-    pub(super) forces: Vec<Planar>,
+    pub(super) forces: Vec<Spatial>,
     /// Force and place of each push; none while it does not act.
-    pub(super) pushes: Vec<Option<[Planar; 2]>>,
+    pub(super) pushes: Vec<Option<[Spatial; 2]>>,
 }
 
 /// Reads poses from a run's log.
@@ -128,28 +155,28 @@ impl<'a> Poses<'a> {
     pub(super) fn at(&mut self, index: usize) -> Pose {
         let Self { run, skeleton, ground, dynamics } = self;
         let (log, d) = (&run.log, run.model.linear_axes().len());
-        // Sideways directions are not drawn.
-        let planar = |values: &[f64]| [values[0], values[d - 1]];
+        let spatial = |values: &[f64]| [values[0], if d == 3 { values[1] } else { 0.0 }, values[d - 1]];
         dynamics.update(&run.model, log.get(index, Field::Q), log.get(index, Field::V));
         let points = skeleton.points.iter().map(|(body, place)| {
             let point = dynamics.world_from_body[*body].point(place);
-            [point.x, point.z]
+            [point.x, point.y, point.z]
         });
-        let (points, com, time) = (points.collect::<Vec<_>>(), planar(log.get(index, Field::Com)), log.time(index));
+        let (points, com, time) = (points.collect::<Vec<_>>(), spatial(log.get(index, Field::Com)), log.time(index));
         let feet = log.get(index, Field::FeetReference);
-        let xcom = log.get(index, Field::Xcom)[0];
+        let reference = spatial(log.get(index, Field::ComReference));
+        let ahead = log.get(index, Field::Xcom)[0];
         let pushes = run.scenario.pushes.iter().zip(&skeleton.pushed).map(|(push, place)| {
-            let (sin, cos) = push.direction_deg.to_radians().sin_cos();
+            let force: Spatial = (push.force_n * push.direction()).into();
             let acts = (push.start_s..push.start_s + push.duration_s).contains(&(time + 1e-9));
-            acts.then_some([[push.force_n * cos, push.force_n * sin], place.map_or(com, |place| points[place])])
+            acts.then_some([force, place.map_or(com, |place| points[place])])
         });
         Pose {
             time,
             com,
-            com_reference: planar(log.get(index, Field::ComReference)),
-            xcom: [xcom, ground.height_at(xcom)],
-            feet: [planar(&feet[..d]), planar(&feet[3 * d..4 * d])],
-            forces: log.get(index, Field::Grf).chunks_exact(d).map(planar).collect(),
+            com_reference: reference,
+            xcom: [ahead, sideways_xcom(run, ground, index), ground.height_at(ahead)],
+            feet: [spatial(&feet[..d]), spatial(&feet[3 * d..4 * d])],
+            forces: log.get(index, Field::Grf).chunks_exact(d).map(spatial).collect(),
             pushes: pushes.collect(),
             points,
         }
@@ -161,7 +188,7 @@ impl<'a> Poses<'a> {
             return 1.0;
         }
         let pose = self.at(0);
-        let height = |point: &Planar| point[1] - self.ground.height_at(point[0]);
+        let height = |point: &Spatial| point[2] - self.ground.height_at(point[0]);
         pose.points.iter().map(height).fold(0.01, f64::max)
     }
 
@@ -170,20 +197,54 @@ impl<'a> Poses<'a> {
         0.5 * self.height() / (self.run.model.total_mass() * self.run.model.gravity).max(1e-9)
     }
 
-    /// Width of a friction cone at its height [1]: as both its tangents.
-    pub(super) fn cone(&self) -> [Planar; 2] {
+    /// From where the robot is looked at: from its right, and in space from the front besides.
+    pub(super) fn sides(&self) -> &'static [Side] {
+        if self.run.model.is_planar() { &[Side::Right] } else { &[Side::Right, Side::Front] }
+    }
+
+    /// The edges of a friction cone as seen from a side, of length one.
+    fn cone(&self, from: Side) -> [Planar; 2] {
+        let ground = self.ground.base();
         [-1.0, 1.0].map(|side: f64| {
-            let ground = self.ground.base();
-            let edge = ground.normal + side * ground.friction.min(5.0) * ground.tangents()[0];
+            let edge = ground.normal + side * ground.friction.min(5.0) * ground.tangents()[from as usize];
             let unit = edge / edge.norm();
-            [unit.x, unit.z]
+            [unit[from as usize], unit.z]
         })
+    }
+}
+
+/// The XcoM along y [m]: it is not in the log, but follows from what is, as the one along x does.
+pub(super) fn sideways_xcom(run: &Run, ground: &Terrain, index: usize) -> f64 {
+    if run.model.is_planar() {
+        return 0.0;
+    }
+    let [x, _, z] = [0, 1, 2].map(|axis| run.log.get(index, Field::ComReference)[axis]);
+    let omega = eigenfrequency(run.model.gravity, z - ground.height_at(x));
+    xcom(run.log.get(index, Field::Com)[1], run.log.get(index, Field::ComVelocity)[1], omega)
+}
+
+/// From where the robot is looked at; its number is that of the axis that runs across the paper.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    /// x runs to the right.
+    Right = 0,
+    /// From ahead of the robot: y, which is the robot's left, runs to the right.
+    Front = 1,
+}
+
+impl Side {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Right => "from its right",
+            Self::Front => "from the front",
+        }
     }
 }
 
 /// How a pose is put on paper: pixels are `scale` times metres, with z up.
 #[derive(Clone, Debug)]
 pub(super) struct View {
+    pub(super) side: Side,
     /// [px/m]
     pub(super) scale: f64,
     /// Width of a link [m].
@@ -197,27 +258,26 @@ pub(super) struct View {
 }
 
 impl View {
-    pub(super) fn new(poses: &mut Poses<'_>, scale: f64) -> Self {
-        let (metres_per_newton, cone) = (poses.metres_per_newton(), poses.cone());
+    pub(super) fn new(poses: &mut Poses<'_>, side: Side, scale: f64) -> Self {
+        let (metres_per_newton, cone) = (poses.metres_per_newton(), poses.cone(side));
         let height = poses.height();
-        Self { scale, thickness: 0.02 * height, metres_per_newton, cone, cone_length: 0.2 * height }
+        Self { side, scale, thickness: 0.02 * height, metres_per_newton, cone, cone_length: 0.2 * height }
     }
 
     /// A point [px].
-    pub(super) fn pixel(&self, [x, z]: Planar) -> Planar {
-        [self.scale * x, -self.scale * z]
+    pub(super) fn pixel(&self, point: Spatial) -> Planar {
+        [self.scale * point[self.side as usize], -self.scale * point[2]]
     }
 
     /// Where a force of `newtons` at `point` ends [px].
-    fn tip(&self, point: Planar, newtons: Planar) -> Planar {
-        let k = self.metres_per_newton;
-        self.pixel([point[0] + k * newtons[0], point[1] + k * newtons[1]])
+    fn tip(&self, point: Spatial, newtons: Spatial) -> Planar {
+        self.pixel([0, 1, 2].map(|k| point[k] + self.metres_per_newton * newtons[k]))
     }
 
     /// The pose. `animation.js` relies on the order of the elements: cones, links, joints, net force, forces, pushes, then
     /// marks of the feet's references, XcoM, CoM reference, CoM.
     pub(super) fn draw(&self, pose: &Pose, skeleton: &Skeleton, model: &Model) -> Markup {
-        let contacts: Vec<Planar> = skeleton.contacts.iter().map(|&point| pose.points[point]).collect();
+        let contacts: Vec<Spatial> = skeleton.contacts.iter().map(|&point| pose.points[point]).collect();
         let (centre, net) = net_force(&contacts, &pose.forces);
         let thickness = self.thickness * self.scale;
         html! {
@@ -247,29 +307,42 @@ impl View {
     }
 
     /// An arrow that ends a little before the point at which it pushes.
-    fn push(&self, force: Planar, at: Planar) -> String {
-        let (end, size) = (self.pixel(at), force[0].hypot(force[1]).max(1e-9));
-        let before = |distance: f64| [end[0] - distance * force[0] / size, end[1] + distance * force[1] / size];
+    fn push(&self, force: Spatial, at: Spatial) -> String {
+        let end = self.pixel(at);
+        let [across, up] = [force[self.side as usize], force[2]];
+        // What comes towards the viewer, or goes away, is no longer than what rounding leaves.
+        let size = across.hypot(up);
+        if size < 1e-6 * length(force) {
+            return String::new();
+        }
+        let before = |distance: f64| [end[0] - distance * across / size, end[1] + distance * up / size];
         svg::arrow(before(SHORT + self.scale * self.metres_per_newton * size), before(SHORT))
     }
 
-    fn mark(&self, point: Planar, class: &str) -> Markup {
+    fn mark(&self, point: Spatial, class: &str) -> Markup {
         html! { path class={ "mark " (class) } transform=(translate(self.pixel(point))) d=(svg::asterisk([0.0; 2], 7.0)) {} }
     }
 
-    fn dot(&self, point: Planar) -> Markup {
+    fn dot(&self, point: Spatial) -> Markup {
         html! { circle class="dot" transform=(translate(self.pixel(point))) r="6" {} }
     }
 
-    fn cone(&self, point: Planar) -> String {
-        let edge = |[x, z]: Planar| self.pixel([point[0] + self.cone_length * x, point[1] + self.cone_length * z]);
-        svg::path(&[vec![edge(self.cone[0]), self.pixel(point), edge(self.cone[1])]]) + "Z"
+    fn cone(&self, point: Spatial) -> String {
+        let [x, y] = self.pixel(point);
+        let length = self.scale * self.cone_length;
+        let edge = |[across, up]: Planar| [x + length * across, y - length * up];
+        svg::path(&[vec![edge(self.cone[0]), [x, y], edge(self.cone[1])]]) + "Z"
     }
 
-    /// The ground from `from` to `to` [m] with a tick and a number at each multiple of `step`, `deep` pixels deep.
-    pub(super) fn ground(&self, ground: &Terrain, [from, to]: Planar, step: f64, deep: f64) -> Markup {
-        let at = |x: f64| self.pixel([x, ground.height_at(x)]);
-        let surface: Vec<Planar> = ground.knots([from, to]).into_iter().map(at).collect();
+    /// The ground from `from` to `to` [m] with a tick and a number at each multiple of `step`, `deep` pixels deep. From the
+    /// front it is as high as below a robot at `x` [m].
+    pub(super) fn ground(&self, ground: &Terrain, x: f64, [from, to]: Planar, step: f64, deep: f64) -> Markup {
+        let at = |across: f64| match self.side {
+            Side::Right => self.pixel([across, 0.0, ground.height_at(across)]),
+            Side::Front => self.pixel([x, across, ground.height_at(x)]),
+        };
+        let knots = if self.side == Side::Right { ground.knots([from, to]) } else { vec![from, to] };
+        let surface: Vec<Planar> = knots.into_iter().map(at).collect();
         let below = |[x, y]: Planar| [x, y + deep];
         let ends = [surface[surface.len() - 1], surface[0]].map(below);
         let ticks = crate::charts::numbers::multiples(from, to, step);
@@ -295,17 +368,21 @@ pub(super) fn translate([x, y]: Planar) -> String {
 }
 
 /// Whether a contact carries enough for its cone to be drawn.
-fn is_loaded(force: Planar) -> bool {
-    force[0].hypot(force[1]) > 1.0
+fn is_loaded(force: Spatial) -> bool {
+    length(force) > 1.0
+}
+
+fn length(vector: Spatial) -> f64 {
+    Vector3::from(vector).norm()
 }
 
 /// The sum of the forces, and the contact points' mean as weighted with their sizes.
-fn net_force(contacts: &[Planar], forces: &[Planar]) -> (Planar, Planar) {
-    let (mut centre, mut net, mut weight) = ([0.0; 2], [0.0; 2], 0.0);
+fn net_force(contacts: &[Spatial], forces: &[Spatial]) -> (Spatial, Spatial) {
+    let (mut centre, mut net, mut weight) = ([0.0; 3], [0.0; 3], 0.0);
     for (point, force) in contacts.iter().zip(forces) {
-        let size = force[0].hypot(force[1]);
+        let size = length(*force);
         weight += size;
-        for k in 0..2 {
+        for k in 0..3 {
             centre[k] += size * point[k];
             net[k] += force[k];
         }
@@ -321,13 +398,52 @@ pub(super) fn keys(run: &Run) -> Vec<Key> {
         Key::new(Symbol::Asterisk, "xcom", "XcoM"),
         Key::new(Symbol::Asterisk, "right", "right foot reference"),
         Key::new(Symbol::Asterisk, "left", "left foot reference"),
-        Key::new(Symbol::Arrow, "right", "force, right"),
-        Key::new(Symbol::Arrow, "left", "force, left"),
-        Key::new(Symbol::Arrow, "net", "net force"),
+        Key::new(Symbol::Arrow, "right", "force on a right contact point"),
+        Key::new(Symbol::Arrow, "left", "force on a left contact point"),
+        Key::new(Symbol::Arrow, "net", "force on the robot"),
         Key::new(Symbol::Area, "cone", "friction cone"),
     ];
     if !run.scenario.pushes.is_empty() {
         keys.push(Key::new(Symbol::Arrow, "push", "push"));
     }
     keys
+}
+
+#[cfg(test)]
+mod tests {
+    use legwork::library;
+    use nalgebra::Matrix3;
+
+    use super::*;
+
+    #[test]
+    fn a_body_is_drawn_as_long_as_the_rod_that_it_is() {
+        let model = library::load_model("planar_humanoid", None).expect("a built-in model");
+        let mut body = model.bodies[model.torso].clone();
+        // A rod of 0.8 m and 10 kg along a line off the axes.
+        let along = Vector3::new(0.6, 0.0, 0.8);
+        body.mass = 10.0;
+        body.com = 0.4 * along;
+        body.inertia = (Matrix3::identity() - along * along.transpose()) * (10.0 * 0.8 * 0.8 / 12.0);
+        assert!((tip(&body) - 0.8 * along).norm() < 1e-12);
+        // A heavier head moves the end up, though the centre of mass stays.
+        let longer = Body { inertia: 2.0 * body.inertia, ..body.clone() };
+        assert!(tip(&longer).norm() > 0.9);
+        let point = Body { inertia: Matrix3::zeros(), ..body.clone() };
+        assert!((tip(&point) - body.com).norm() < 1e-12);
+    }
+
+    #[test]
+    fn a_sole_is_outlined_from_corner_to_corner() {
+        let model = library::load_model("exo18", None).expect("a built-in model");
+        let body = model.contacts[0].body;
+        let edges = sole(&model, body);
+        let length = |[a, b]: [usize; 2]| (model.contacts[a].position - model.contacts[b].position).norm();
+        let mut lengths: Vec<f64> = edges.into_iter().map(length).collect();
+        lengths.sort_by(f64::total_cmp);
+        assert_eq!(lengths.iter().map(|length| (100.0 * length).round()).collect::<Vec<_>>(), [12.0, 12.0, 28.0, 28.0]);
+        let feet = library::load_model("planar_humanoid_feet", None).expect("a built-in model");
+        assert_eq!(sole(&feet, feet.contacts[0].body), [[0, 1]]);
+        assert!(sole(&feet, feet.torso).is_empty());
+    }
 }

@@ -5,8 +5,9 @@ use legwork::scenario::Push;
 use legwork::terrain::Terrain;
 use legwork_rbd::Model;
 use maud::html;
+use nalgebra::Vector3;
 
-use super::stick::{Planar, Pose, Poses, Skeleton, View, keys};
+use super::stick::{Pose, Poses, Side, Skeleton, Spatial, View, keys};
 use crate::charts::numbers::{Px, round_step};
 use crate::charts::svg::{self, Drawing, Key};
 
@@ -25,7 +26,7 @@ pub(super) struct Strip {
     skeleton: Skeleton,
     model: Model,
     ground: Terrain,
-    view: View,
+    views: Vec<View>,
     height: f64,
     keys: Vec<Key>,
 }
@@ -34,7 +35,8 @@ impl Strip {
     /// The poses of `run`, first and last among them.
     pub(super) fn new(run: &Run) -> Self {
         let mut reader = Poses::new(run);
-        let (view, height) = (View::new(&mut reader, 1.0), reader.height());
+        let views = reader.sides().iter().map(|&side| View::new(&mut reader, side, 1.0)).collect();
+        let height = reader.height();
         let stride = run.log.len().div_ceil(LOOKED_AT).max(1);
         let last = run.log.len().saturating_sub(1);
         let mut records: Vec<usize> = (0..run.log.len()).step_by(stride).collect();
@@ -47,7 +49,7 @@ impl Strip {
             skeleton: reader.skeleton,
             model: run.model.clone(),
             ground: reader.ground,
-            view,
+            views,
             height,
             keys: keys(run),
         }
@@ -59,23 +61,27 @@ impl Strip {
         let across = (width + GAP) / columns as f64 - GAP;
         // A robot with its legs apart is wider than high, with its forces somewhat higher than itself.
         let scale = across / (1.05 * self.height);
-        let view = View { scale, ..self.view.clone() };
+        let views: Vec<View> = self.views.iter().map(|view| View { scale, ..view.clone() }).collect();
         let (above, metres) = (1.12 * self.height * scale + 14.0, across / scale);
-        let down = above + FOOT;
+        let (down, sides) = (above + FOOT, views.len() as f64);
         let (legend, top) = svg::legend(&self.keys, 4.0, width);
         let content = html! {
             (legend)
             @for (index, pose) in self.poses.iter().enumerate() {
-                @let middle = middle(pose);
-                @let ground = self.ground.height_at(middle);
-                @let corner = [middle - 0.5 * metres, middle + 0.5 * metres];
-                @let [left, base] = view.pixel([corner[0], ground]);
-                @let place = [(index % columns) as f64 * (across + GAP), top + GAP + (index / columns) as f64 * (down + GAP)];
-                svg x=(Px(place[0])) y=(Px(place[1])) width=(Px(across)) height=(Px(down))
-                    viewBox={ (Px(left)) " " (Px(base - above)) " " (Px(across)) " " (Px(down)) } {
-                    (view.ground(&self.ground, corner, round_step(metres, 5), 10.0 * FOOT))
-                    (view.draw(pose, &self.skeleton, &self.model))
-                    text class="moment" x=(Px(left + 4.0)) y=(Px(base - above + 14.0)) { (format!("{:.2} s", pose.time)) }
+                @for (row, view) in views.iter().enumerate() {
+                    @let middle = middle(pose, view.side);
+                    @let below = if view.side == Side::Right { middle } else { pose.com[0] };
+                    @let ends = [middle - 0.5 * metres, middle + 0.5 * metres];
+                    @let [left, base] = [view.scale * ends[0], -view.scale * self.ground.height_at(below)];
+                    @let upper = top + GAP + (index / columns) as f64 * (sides * down + GAP) + row as f64 * down;
+                    svg x=(Px((index % columns) as f64 * (across + GAP))) y=(Px(upper)) width=(Px(across)) height=(Px(down))
+                        viewBox={ (Px(left)) " " (Px(base - above)) " " (Px(across)) " " (Px(down)) } {
+                        (view.ground(&self.ground, below, ends, round_step(metres, 5), 10.0 * FOOT))
+                        (view.draw(pose, &self.skeleton, &self.model))
+                        text class="moment" x=(Px(left + 4.0)) y=(Px(base - above + 14.0)) {
+                            @if row == 0 { (format!("{:.2} s", pose.time)) } @else { (view.side.name()) }
+                        }
+                    }
                 }
             }
         };
@@ -83,7 +89,7 @@ impl Strip {
         let times: Vec<String> = self.poses.iter().map(|pose| format!("{:.2}", pose.time)).collect();
         Drawing {
             width,
-            height: top + GAP + rows * (down + GAP),
+            height: top + GAP + rows * (sides * down + GAP),
             description: format!("Stick figures of the robot at {} s.", times.join(", ")),
             time_axis: None,
             content,
@@ -98,7 +104,7 @@ fn choose(poses: &[Pose], pushes: &[Push]) -> Vec<Pose> {
     let mut way = vec![0.0; poses.len()];
     for k in 1..poses.len() {
         // A robot at rest still shows poses, at equal times.
-        way[k] = way[k - 1] + distance(&poses[k - 1], &poses[k], [0.0; 2]) + 1e-3 * (poses[k].time - poses[k - 1].time);
+        way[k] = way[k - 1] + distance(&poses[k - 1], &poses[k], [0.0; 3]) + 1e-3 * (poses[k].time - poses[k - 1].time);
     }
     let pushed = |push: &Push| poses.iter().position(|pose| pose.time >= push.start_s + 0.5 * push.duration_s);
     let mut chosen: Vec<usize> = [0, last].into_iter().chain(pushes.iter().take(3).filter_map(pushed)).collect();
@@ -118,18 +124,18 @@ fn choose(poses: &[Pose], pushes: &[Push]) -> Vec<Pose> {
 }
 
 /// Sum of the distances of all points between two poses, the second moved by `shift` [m].
-fn distance(a: &Pose, b: &Pose, shift: Planar) -> f64 {
-    let apart = |(a, b): (&Planar, &Planar)| (a[0] - b[0] - shift[0]).hypot(a[1] - b[1] - shift[1]);
+fn distance(a: &Pose, b: &Pose, shift: Spatial) -> f64 {
+    let apart = |(a, b): (&Spatial, &Spatial)| Vector3::from([0, 1, 2].map(|k| a[k] - b[k] - shift[k])).norm();
     a.points.iter().zip(&b.points).map(apart).sum()
 }
 
 /// As seen from the centres of mass.
 fn shape_distance(a: &Pose, b: &Pose) -> f64 {
-    distance(a, b, [a.com[0] - b.com[0], a.com[1] - b.com[1]])
+    distance(a, b, [0, 1, 2].map(|k| a.com[k] - b.com[k]))
 }
 
-/// Between the outermost points of the robot [m].
-fn middle(pose: &Pose) -> f64 {
-    let x = |point: &Planar| point[0];
-    crate::charts::numbers::extent(pose.points.iter().map(x)).map_or(0.0, |(low, high)| 0.5 * (low + high))
+/// Between the outermost points of the robot, as seen from a side [m].
+fn middle(pose: &Pose, side: Side) -> f64 {
+    let across = |point: &Spatial| point[side as usize];
+    crate::charts::numbers::extent(pose.points.iter().map(across)).map_or(0.0, |(low, high)| 0.5 * (low + high))
 }

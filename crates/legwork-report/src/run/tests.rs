@@ -6,7 +6,9 @@ use legwork::metrics::{MeanPeak, Metrics};
 use legwork::scenario::Scenario;
 use legwork_thesis::published;
 
+use super::stick::{Poses, Side, View};
 use super::*;
+use crate::charts::tests::assert_readable;
 
 /// `ticks` ticks of a built-in scenario with `sets`, under a name of its own where one is given.
 fn run_for(ticks: usize, scenario: &str, sets: &[&str], name: Option<&str>) -> Run {
@@ -220,4 +222,78 @@ fn a_long_run_has_a_bounded_number_of_frames() {
     assert!(frames.len() <= 6000 && (frames.len() as f64 * period - 40.0).abs() < 2.0 * period);
     let points = data["points"].as_u64().expect("a number") as usize;
     assert!(frames.iter().all(|frame| frame.as_array().is_some_and(|row| row.len() == 2 * points + 10 + 4 + 1)));
+}
+
+/// A robot in space, pushed to its left after 20 ms.
+fn pushed_aside() -> Run {
+    run_for(60, "exo-sway", &["pushes=[{force_n=200.0, heading_deg=90.0, start_s=0.02, duration_s=0.1}]"], None)
+}
+
+#[test]
+fn a_push_to_the_side_is_called_so_and_drawn_from_the_front() {
+    let run = pushed_aside();
+    let page = html(std::slice::from_ref(&run));
+    assert!(page.contains("<b>200 N to the left</b>") && !page.contains("forward</b>"));
+    let mut poses = Poses::new(&run);
+    let pose = poses.at(50);
+    let [[_, sideways, _], _] = pose.pushes[0].expect("it acts");
+    assert!((sideways - 200.0).abs() < 1e-9);
+    let arrow = |side: Side| {
+        let view = View::new(&mut Poses::new(&run), side, 300.0);
+        let drawn = view.draw(&pose, &poses.skeleton, &run.model).into_string();
+        let path =
+            drawn.split("class=\"arrow push\" d=\"").nth(1).and_then(|rest| rest.split('"').next()).expect("a path");
+        path.to_owned()
+    };
+    assert_eq!(arrow(Side::Right), "", "it goes away from who stands at the right");
+    assert!(arrow(Side::Front).starts_with('M'));
+}
+
+#[test]
+fn a_robot_in_space_is_seen_from_two_sides_and_plotted_sideways() {
+    let run = pushed_aside();
+    let page = html(std::slice::from_ref(&run));
+    assert_eq!(page.matches("class=\"figure stage\"").count(), 2);
+    assert_eq!(html(&[run_for(60, "push", &[], None)]).matches("class=\"figure stage\"").count(), 1);
+    let figures = figures::figures(&run);
+    let of = |name: &str| figures.iter().find(|figure| figure.name == name).expect("it is drawn").draw(WIDE);
+    let sideways = of("tracking-y").description;
+    for line in ["CoM ", "CoM reference ", "XcoM ", "right foot ", "left foot ", "base of support "] {
+        assert!(sideways.contains(line), "{line}: {sideways}");
+    }
+    assert!(of("forces").description.contains("to the left [N] over time [s]: right foot, simulated"));
+    assert!(of("poses").content.into_string().contains(">from the front<"));
+}
+
+#[test]
+fn captions_are_those_of_the_generator() {
+    let of_steps = ["A step is taken when", "Steps to a stop", " steps</span>"];
+    let page = html(&[pushed_aside()]);
+    assert!(page.contains("The feet stay where they stand"));
+    assert!(of_steps.iter().all(|words| !page.contains(words)), "it only stands");
+    let page = html(&[run_for(60, "walk", &[], None)]);
+    assert!(of_steps.iter().all(|words| page.contains(words)));
+    let page = html(&[run_for(60, "feet-walk", &[], None)]);
+    assert!(page.contains("Each step is planned from where the XcoM is") && !page.contains(of_steps[0]));
+}
+
+#[test]
+fn forces_are_those_of_something() {
+    let of = |run: &Run| figures::figures(run).into_iter().find(|figure| figure.name == "forces").expect("one").caption;
+    let feet = of(&run_for(1200, "feet-walk", &[], None));
+    assert!(feet.contains("the force of a whole foot, of all its contact points together"), "{feet}");
+    assert!(feet.contains("the largest force on one contact point is"), "{feet}");
+    assert!(!of(&run_for(1200, "walk", &[], None)).contains("contact point"));
+    assert!(html(&[run_for(60, "stand", &[], None)]).contains("force on a contact point"));
+}
+
+#[test]
+fn charts_of_runs_are_readable_at_any_width() {
+    for run in [fallen(), run_for(2500, "feet-walk", &[], None), pushed_aside(), run_for(3, "walk", &[], None)] {
+        for figure in figures::figures(&run).iter().filter(|figure| figure.name != "poses") {
+            for width in [NARROW, 640.0, WIDE] {
+                assert_readable(&format!("{}, {} at {width}", run.scenario.name, figure.name), &figure.draw(width));
+            }
+        }
+    }
 }

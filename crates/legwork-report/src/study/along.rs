@@ -342,4 +342,30 @@ mod tests {
             assert!((point.x - median).abs() <= 2.0, "{} {median}", point.x);
         }
     }
+
+    #[test]
+    fn seeds_are_repetitions_along_the_speed() {
+        let text = "scenarios = [\"feet-walk\"]\ndesign = \"grid\"\nmetrics = [\"torque_nm.mean\"]\n\
+                    [[factors]]\nname = \"speed\"\npath = \"reference.walker.speed_mps\"\nlist = [0.0, 0.5, 1.0]\n\
+                    [[factors]]\npath = \"seed\"\nlist = [0, 1, 2, 3, 4]\n";
+        let study = Study::parse(text, "t.toml", None, &[]).expect("a study");
+        let row = |index: u64| {
+            let levels = study.point(index).levels;
+            let [speed, seed] = [0, 1].map(|k| levels[k].as_ref().and_then(Level::number).expect("a number"));
+            let ending = if speed > 0.9 && seed > 2.5 { Ending::Fell } else { Ending::Completed };
+            Row { index, ending, fell_at_s: None, cause: None, metrics: vec![Some(10.0 * speed + seed)] }
+        };
+        let columns = study.columns().into_iter().filter(|column| column.name == "torque_nm.mean").collect();
+        let results = Results { study: &study, rows: (0..study.len()).map(row).collect(), columns };
+        assert!(!is_map(&results), "speed alone is a factor");
+        let sweep = binned(&results, 0, &[0]);
+        let [survival, torque] = &sweep.panels[..] else { panic!("one figure, and survival") };
+        assert_eq!(sweep.series[0].points.iter().map(|point| point.x).collect::<Vec<_>>(), [0.0, 0.5, 1.0]);
+        assert_eq!(survival.parts[0].values, [[1.0, 1.0, 0.6]]);
+        assert_eq!(torque.parts[0].values, [[2.0, 7.0, 11.0]]);
+        assert_eq!(torque.parts[0].spreads, [[[0.0, 1.0, 3.0, 4.0], [5.0, 6.0, 8.0, 9.0], [10.0, 11.0, 12.0, 12.0]]]);
+        let page = super::super::page(&results).expect("a page").html;
+        assert!(page.contains("area s0 quartiles") && page.contains("speed [m/s]"));
+        assert!(page.contains("run with 5 seeds") && !page.contains("<h3>seed"));
+    }
 }

@@ -65,8 +65,8 @@ impl Centroidal {
             if share.is_nan() || share <= 0.0 {
                 continue;
             }
-            let (up, along) = libm::sincos(push.direction_deg.to_radians());
-            let force = [along * libm::cos(push.heading_deg.to_radians()), up].map(|part| share * push.force_n * part);
+            let direction = push.direction();
+            let force = [direction.x, direction.z].map(|part| share * push.force_n * part);
             let arm = model.body_index(&push.at).map_or([0.0; 2], |body| {
                 let place = model.bodies[body].com + nalgebra::Vector3::from(push.point_m);
                 let arm = dynamics.world_from_body[body].point(&place) - dynamics.com;

@@ -6,6 +6,7 @@
 use std::ops::Range;
 
 use legwork_rbd::Model;
+use nalgebra::Vector3;
 
 use super::evidence::{Evidence, Saturation, Stretch};
 use super::failure::{ASTRAY, Failure, Kind, consequence, failures};
@@ -89,12 +90,10 @@ pub(super) fn impulse(push: &Push) -> f64 {
 
 /// What the pushes together have delivered by a time [Ns]: opposite ones cancel.
 fn delivered<'p>(pushes: impl Iterator<Item = &'p Push>, time: f64) -> f64 {
-    let sum = pushes.fold([0.0; 2], |[x, z], push| {
-        let impulse = push.force_n * (time - push.start_s).clamp(0.0, push.duration_s);
-        let (sin, cos) = libm::sincos(push.direction_deg.to_radians());
-        [x + impulse * cos, z + impulse * sin]
+    let sum = pushes.fold(Vector3::zeros(), |sum: Vector3<f64>, push| {
+        sum + push.force_n * (time - push.start_s).clamp(0.0, push.duration_s) * push.direction()
     });
-    libm::hypot(sum[0], sum[1])
+    libm::hypot(libm::hypot(sum.x, sum.y), sum.z)
 }
 
 /// The first cause of `failure`: the first rule that holds. Rules on the simulation come before those on the robot,

@@ -46,8 +46,26 @@ fn write_values(group: &[Setting], index: &str, tree: &mut Value, text: &mut Str
             continue;
         }
         let value = at(tree, &path).expect("the table of settings matches the scenario");
-        let _ = writeln!(text, "# {}\n{} = {value}", comment(setting), setting.key());
+        let _ = writeln!(text, "{}{} = {value}", wrapped(&comment(setting)), setting.key());
     }
+}
+
+/// Columns of a comment.
+const WIDTH: usize = 100;
+
+/// A comment in lines of at most [`WIDTH`] columns, where its words allow it.
+fn wrapped(comment: &str) -> String {
+    let (mut text, mut column) = ("#".to_owned(), 1);
+    for word in comment.split(' ') {
+        let width = word.chars().count() + 1;
+        if column > 1 && column + width > WIDTH {
+            text += "\n#";
+            column = 1;
+        }
+        text += &format!(" {word}");
+        column += width;
+    }
+    text + "\n"
 }
 
 fn comment(setting: &Setting) -> String {
