@@ -128,12 +128,12 @@ fn the_states_of_a_run_are_given_once_more_whatever_is_asked_for() {
 }
 
 #[test]
-fn the_hold_stands_on_feet_and_falls_on_points_with_a_reason() {
+fn the_hold_stands_and_falls_of_a_push_with_a_reason() {
     let feet = run_with(&load("stand-push", &["controller.kind=hold", "pushes=[]", "duration_s=3"]), Parts::default());
     assert_eq!(feet.outcome, Outcome::Completed);
-    let points = run_with(&load("stand", &["controller.kind=hold"]), Parts::default());
-    assert!(matches!(points.outcome, Outcome::Fell(_)), "point feet cannot balance a rigid body");
-    assert!(points.reason.expect("a reason").starts_with("fell at"));
+    let pushed = run_with(&load("push", &["controller.kind=hold"]), Parts::default());
+    assert!(matches!(pushed.outcome, Outcome::Fell(_)), "it takes no step");
+    assert!(pushed.reason.expect("a reason").starts_with("fell at"));
     assert!(feet.log.range(Field::ComReference).is_empty() && feet.tasks.is_empty() && feet.limits.is_empty());
 }
 
