@@ -1,6 +1,6 @@
 //! Designs: which points of a study's factors are run, each point a pure function of the design, the seed and its index.
 //!
-//! Two designs go through levels ([`one_at_a_time`], [`grid_point`]); the others sample the unit cube ([`Sampler`]):
+//! Two designs go through levels (`one_at_a_time`, `grid_point`); the others sample the unit cube ([`Sampler`]):
 //! McKay, Beckman and Conover 1979 (doi:10.2307/1268522), Morris 1991 (doi:10.1080/00401706.1991.10484804), Saltelli 2002
 //! (doi:10.1016/S0010-4655(02)00280-1), Saltelli et al. 2010 (doi:10.1016/j.cpc.2009.09.018).
 

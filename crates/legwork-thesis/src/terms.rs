@@ -1,6 +1,6 @@
 //! The terms in which claims are tested, each with its bound.
 //!
-//! The bounds are the same for all claims and were set before the sweeps were judged; only [`VISIBLE`] came later, and
+//! The bounds are the same for all claims and were set before the sweeps were judged; only `VISIBLE` came later, and
 //! lets fewer claims pass.
 
 use std::fmt::Display;

@@ -135,7 +135,7 @@ impl Trial {
     /// Runs it.
     ///
     /// # Errors
-    /// As [`Trial::variant`].
+    /// As `Trial::variant`.
     pub fn run(&self, stop: impl Fn() -> bool) -> Result<Run, Error> {
         simulate(&self.variant()?, stop)
     }

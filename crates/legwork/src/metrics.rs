@@ -1,7 +1,7 @@
 //! The metrics of a run: each is defined here and nowhere else, and from here come tables, JSON, the columns of a study and
 //! `legwork list metrics`. Thesis 5.3, Tables 6.1-6.5
 //!
-//! [`crate::measuring`] takes them.
+//! `crate::measuring` takes them.
 
 use std::sync::LazyLock;
 

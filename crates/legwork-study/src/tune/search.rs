@@ -53,7 +53,7 @@ pub struct Generation {
 pub enum Stop {
     /// All of its budget is spent.
     Budget,
-    /// Going on is of no use; see [`CmaEs::converged`].
+    /// Going on is of no use; see `CmaEs::converged`.
     Converged(&'static str),
     /// It was told to.
     Interrupted,
