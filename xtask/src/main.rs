@@ -10,7 +10,8 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 
-const USAGE: &str = "usage: cargo xtask test | count-instructions [--write] | bench-peers [--quick] [--only GROUPS] | wasm [--debian]
+const USAGE: &str =
+    "usage: cargo xtask test | count-instructions [--write] | bench-peers [--quick] [--only GROUPS] | wasm [--debian]
 
   test                 format, lint, documentation, all Rust tests and doc tests, the report in a real browser,
                        runs in WebAssembly, and the instructions; ends with the sum alone on a line
