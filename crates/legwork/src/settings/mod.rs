@@ -87,7 +87,7 @@ const FIXED: [(&str, &[&str]); 8] = [
 ];
 
 /// Settings, and tables of settings, that mean something only where another setting has one of these values.
-const USED_WITH: [(&str, &str, &[&str]); 10] = [
+const USED_WITH: [(&str, &str, &[&str]); 12] = [
     ("reference", "controller.kind", &["momentum"]),
     ("reference.com", "reference.generator", &["steps", "stance"]),
     ("reference.step", "reference.generator", &["steps"]),
@@ -95,6 +95,8 @@ const USED_WITH: [(&str, &str, &[&str]); 10] = [
     ("reference.walker", "reference.generator", &["walker"]),
     ("controller.form", "controller.kind", &["momentum"]),
     ("controller.weights", "controller.kind", &["momentum"]),
+    ("controller.weights.posture", "controller.tracking.posture", &["cost", "equality"]),
+    ("controller.planner.posture_gain", "controller.tracking.posture", &["cost", "equality"]),
     ("controller.tracking", "controller.kind", &["momentum"]),
     ("controller.limits", "controller.kind", &["momentum"]),
     ("controller.hold", "controller.kind", &["hold"]),
