@@ -38,7 +38,7 @@ fn rows_jacobian_goal_and_slack_of_every_task_agree() {
     // With all tasks that there are.
     for (name, form) in SCENARIOS.iter().flat_map(|name| ["direct", "slack"].map(|form| (name, form))) {
         let form_set = format!("controller.form={form}");
-        let run = common::run(name, &["duration_s=0.4", "controller.weights.posture=0.1", &form_set]);
+        let run = common::run(name, &["duration_s=0.4", "controller.tracking.posture=cost", &form_set]);
         assert_eq!(
             run.tasks.iter().map(|task| task.name).collect::<Vec<_>>(),
             ["momentum", "feet", "torso", "posture"]
@@ -91,11 +91,13 @@ fn check(controller: &MomentumController, dynamics: &Dynamics, logged: &[f64], w
     }
 }
 
-/// The task that is off by default: nowhere without a weight, and with one it draws the joints to where they were.
+/// The task that is off by default is nowhere then; otherwise it draws the joints to where they were.
 #[test]
-fn the_posture_is_a_task_where_it_has_a_weight() {
-    let deviation = |weight: &str| {
-        let run = common::run("exo-sway", &["duration_s=1", &format!("controller.weights.posture={weight}")]);
+fn the_posture_is_a_task_where_it_is_tracked() {
+    let deviation = |tracking: &str| {
+        let sets = ["duration_s=1", &format!("controller.tracking.posture={tracking}")];
+        let weight = (tracking == "cost").then_some("controller.weights.posture=1e4");
+        let run = common::run("exo-sway", &sets.into_iter().chain(weight).collect::<Vec<_>>());
         let begin = run.log.get(0, Field::Q).to_vec();
         let moved = |index: usize| -> f64 {
             let joints = run.log.get(index, Field::Q).iter().zip(&begin).skip(7);
@@ -104,7 +106,7 @@ fn the_posture_is_a_task_where_it_has_a_weight() {
         let columns = run.log.columns().iter().filter(|column| column.name.starts_with("slack.posture.")).count();
         (run.tasks.len(), columns, (0..run.log.len()).map(moved).fold(0.0, f64::max))
     };
-    let ((tasks, columns, free), (more_tasks, joints, held)) = (deviation("0"), deviation("1e4"));
+    let ((tasks, columns, free), (more_tasks, joints, held)) = (deviation("off"), deviation("cost"));
     assert_eq!((tasks, columns, more_tasks, joints), (3, 0, 4, 18));
     assert!(free > 0.05 && held < 0.5 * free, "{held} rad of {free} rad");
 }

@@ -20,7 +20,7 @@ pub struct ControllerSettings {
     pub planner: PlannerSettings,
     /// The cost's weights.
     pub weights: Weights,
-    /// Cost or equality, a task.
+    /// Which tasks the program has, and how each is tracked.
     pub tracking: TrackingSettings,
     /// The bounds.
     pub limits: Limits,
@@ -104,13 +104,13 @@ pub struct Weights {
     pub torso: f64,
     /// What the square of the wanted acceleration raises that by: to `1 + (this · α_D²)²` times [s⁴].
     pub torso_urgency_s4: f64,
-    /// Weight of the joint accelerations toward the posture of the first tick; without it there is no such task.
+    /// Weight of the joint accelerations toward the posture of the first tick.
     pub posture: f64,
     /// Weight of a braking joint's acceleration error where the hard bound (4.32) had to yield.
     pub braking: f64,
 }
 
-/// Cost or equality, a task.
+/// Which tasks the program has, and how each is tracked.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrackingSettings {
@@ -120,6 +120,8 @@ pub struct TrackingSettings {
     pub feet: Tracking,
     /// Torso (4.20).
     pub torso: Tracking,
+    /// Posture of the actuated joints.
+    pub posture: Tracking,
 }
 
 /// The bounds of the program (4.4.4).
@@ -170,10 +172,12 @@ pub enum QpForm {
     Slack,
 }
 
-/// How a tracking goal enters the program.
+/// How a task enters the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Tracking {
+    /// Not at all.
+    Off,
     /// Weighted in the cost.
     Cost,
     /// As a hard equality.
@@ -232,10 +236,15 @@ impl Default for ControllerSettings {
                 trailing_rotation_factor: 1.0,
                 torso: 1e5,
                 torso_urgency_s4: 0.0,
-                posture: 0.0,
+                posture: 1.0,
                 braking: 1e4,
             },
-            tracking: TrackingSettings { momentum: Tracking::Cost, feet: Tracking::Cost, torso: Tracking::Cost },
+            tracking: TrackingSettings {
+                momentum: Tracking::Cost,
+                feet: Tracking::Cost,
+                torso: Tracking::Cost,
+                posture: Tracking::Off,
+            },
             limits: Limits {
                 torque_nm: 220.0,
                 torque_rate_nmps: 1e9,

@@ -54,10 +54,7 @@ const FIXED: [(&str, &[&str]); 8] = [
         "the reference is planned before the first tick",
         &["reference.generator", "reference.com", "reference.stance", "controller.planner.torso_angle_deg"],
     ),
-    (
-        "the program has its variables and rows from the begin",
-        &["controller.form", "controller.tracking", "controller.weights.posture"],
-    ),
+    ("the program has its variables and rows from the begin", &["controller.form", "controller.tracking"]),
     (
         "the ground's shape, and what the controller is told of it, are made before the first tick",
         &[
@@ -87,7 +84,7 @@ const FIXED: [(&str, &[&str]); 8] = [
 ];
 
 /// Settings, and tables of settings, that mean something only where another setting has one of these values.
-const USED_WITH: [(&str, &str, &[&str]); 10] = [
+const USED_WITH: [(&str, &str, &[&str]); 12] = [
     ("reference", "controller.kind", &["momentum"]),
     ("reference.com", "reference.generator", &["steps", "stance"]),
     ("reference.step", "reference.generator", &["steps"]),
@@ -95,6 +92,8 @@ const USED_WITH: [(&str, &str, &[&str]); 10] = [
     ("reference.walker", "reference.generator", &["walker"]),
     ("controller.form", "controller.kind", &["momentum"]),
     ("controller.weights", "controller.kind", &["momentum"]),
+    ("controller.weights.posture", "controller.tracking.posture", &["cost", "equality"]),
+    ("controller.planner.posture_gain", "controller.tracking.posture", &["cost", "equality"]),
     ("controller.tracking", "controller.kind", &["momentum"]),
     ("controller.limits", "controller.kind", &["momentum"]),
     ("controller.hold", "controller.kind", &["hold"]),

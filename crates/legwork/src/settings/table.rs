@@ -508,7 +508,7 @@ pub const SETTINGS: &[Setting] = &[
         "",
         WEIGHT,
         OURS,
-        "Weight of the joint accelerations toward the posture of the first tick; 0 for a program without that task.",
+        "Weight of the joint accelerations toward the posture of the first tick.",
     ),
     number(
         "controller.weights.braking",
@@ -521,6 +521,12 @@ pub const SETTINGS: &[Setting] = &[
     choice("controller.tracking.momentum", TRACKING, "thesis (4.17)", "How the momentum rate is tracked."),
     choice("controller.tracking.feet", TRACKING, "thesis (4.19)", "How the feet are tracked."),
     choice("controller.tracking.torso", TRACKING, "thesis (4.20)", "How the torso is tracked."),
+    choice(
+        "controller.tracking.posture",
+        &["off", "cost", "equality"],
+        OURS,
+        "How the posture of the first tick is tracked by the actuated joints, if it is.",
+    ),
     //
     number("controller.limits.torque_nm", "Nm", [0.1, 1e5], FINAL, "Largest joint torque."),
     number(

@@ -28,7 +28,7 @@ pub fn laws(settings: &ControllerSettings, model: &Model) -> Vec<Box<dyn Law>> {
         Box::new(torso::Torso),
         Box::new(posture::Posture::new(model)),
     ];
-    all.retain(|law| law.is_wanted(&settings.weights));
+    all.retain(|law| law.how(&settings.tracking) != Tracking::Off);
     all
 }
 
@@ -45,7 +45,7 @@ pub trait Law: CloneLaw + Debug + Send + Sync {
     /// The task's rows, in their order.
     fn parts(&self, model: &Model) -> Vec<Part>;
 
-    /// Whether the task is a cost or an equality.
+    /// Whether the task is a cost, an equality, or not there at all.
     fn how(&self, tracking: &TrackingSettings) -> Tracking;
 
     /// Writes the goal of this tick, a number a row, in the units of [`Law::parts`]. Allocates nothing.

@@ -1,5 +1,5 @@
 //! The posture task: `S q̈ + s = q̈_D`, which draws the actuated joints to the posture of the first tick. It is ours, and there
-//! only where `controller.weights.posture` is not zero: for robots whose other tasks leave joints free.
+//! only where `controller.tracking.posture` says so: for robots whose other tasks leave joints free.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::super::Inputs;
 use super::{Law, Part, Seen, damping};
-use crate::settings::{Tracking, TrackingSettings, Weights};
+use crate::settings::{Tracking, TrackingSettings};
 
 /// The task's name.
 pub const NAME: &str = "posture";
@@ -44,10 +44,6 @@ impl Law for Posture {
         NAME
     }
 
-    fn is_wanted(&self, weights: &Weights) -> bool {
-        weights.posture > 0.0
-    }
-
     fn parts(&self, model: &Model) -> Vec<Part> {
         let part = |dof: usize| {
             let joint = &model.dofs[dof];
@@ -57,8 +53,8 @@ impl Law for Posture {
         model.actuated().map(part).collect()
     }
 
-    fn how(&self, _: &TrackingSettings) -> Tracking {
-        Tracking::Cost
+    fn how(&self, tracking: &TrackingSettings) -> Tracking {
+        tracking.posture
     }
 
     fn plan(&mut self, seen: &Seen<'_>, goal: &mut [f64]) {
