@@ -98,8 +98,7 @@ fn overview(sections: &[Section]) -> String {
         } else {
             entries.iter().map(|(name, _, _)| name.clone()).collect()
         };
-        let more =
-            if *title == "settings" { "; those of one group: legwork list settings controller.weights" } else { "" };
+        let more = if *title == "settings" { "; of a group: legwork list settings wearer" } else { "" };
         let (title, what) =
             if *title == "joint_metrics" { ("metrics of each joint", "metrics") } else { (*title, *title) };
         text += &format!("{} {title}: legwork list {what}{more}\n", entries.len());

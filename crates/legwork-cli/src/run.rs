@@ -147,16 +147,35 @@ impl Job {
         let length = (self.scenario.duration_s * 1e3) as u64;
         let bar = Progress::new(&self.label, length, "{percent} % simulated");
         let mut parts = Parts { samples: self.samples.clone(), clock: Some(clock::system), ..Parts::default() };
-        if self.streams {
-            let path = self.log.as_deref().expect("it streams to its log");
-            parts.sink = Some(log_file::create(&self.written_to(path), &self.scenario.name)?);
-        }
-        let run = episode::run_with(&self.scenario, &self.model, parts, |time| {
+        let told = |time: f64| {
             bar.tell((time * 1e3) as u64);
             interrupted()
-        });
+        };
+        let run = match self.log.as_deref().filter(|_| self.streams) {
+            None => episode::run_with(&self.scenario, &self.model, parts, told),
+            Some(path) => log_file::create(&self.written_to(path), &self.scenario.name)
+                .and_then(|sink| {
+                    parts.sink = Some(sink);
+                    episode::run_with(&self.scenario, &self.model, parts, told)
+                })
+                .map_err(|error| self.without_log(path, error)),
+        };
         bar.finish();
         run
+    }
+
+    /// The error of a run whose log cannot be written to `path`; what is written of it is deleted.
+    fn without_log(&self, path: &Path, error: Error) -> Error {
+        let written = self.written_to(path);
+        if written != path {
+            let _ = std::fs::remove_file(written);
+        }
+        match error {
+            Error::Io { problem, .. } => {
+                Error::Io { path: path.to_owned(), problem: format!("cannot be written: {problem}") }
+            }
+            other => other,
+        }
     }
 
     /// Where a log is written while the run goes on: beside its place, unless that is no file but a pipe or a device.

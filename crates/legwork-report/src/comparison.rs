@@ -92,7 +92,7 @@ const ROWS: [Row; 7] = [
     ("cost of transport", 2, |f| f.cost_of_transport),
     ("XcoM error, mean [mm]", 1, |f| f.xcom_error_mean_m.map(|error| 1e3 * error)),
     ("XcoM error, peak [mm]", 1, |f| f.xcom_error_peak_m.map(|error| 1e3 * error)),
-    ("peak force, all of the robot [N]", 0, |f| Some(f.ground_force_peak_n)),
+    ("peak force, whole robot [N]", 0, |f| Some(f.ground_force_peak_n)),
 ];
 
 /// Where there is no value.

@@ -34,7 +34,7 @@ fn durations() {
     for (given, found) in
         [("nan", "nan"), ("-1", "-1"), ("0", "0"), ("1e9", "1000000000.0"), ("inf", "inf"), ("4s", "the text \"4s\"")]
     {
-        let message = format!("--duration: found {found}; valid is a number from 0.001 to 3600 [s]");
+        let message = format!("--duration: found {found}; valid is a number from 0.001 to 1e6 [s]");
         folder.refuses(2, &["run", "stand", "--duration", given], &[&message]);
     }
     let ticks = ["run", "stand", "--set", "controller.period_s=1e-5", "--set", "simulation.period_s=1e-5"];

@@ -32,7 +32,7 @@ fn everything_is_listed() {
     let folder = Folder::new("list");
     let all = folder.json(&["list", "--json"]).remove(0);
     let keys: Vec<_> = all.as_object().unwrap().keys().map(String::as_str).collect();
-    assert_eq!(keys, ["models", "scenarios", "studies", "settings"]);
+    assert_eq!(keys, ["models", "scenarios", "studies", "settings", "metrics", "joint_metrics"]);
     assert_eq!(names(&all["models"]), ["planar_humanoid", "planar_humanoid_feet", "exo18"]);
     for name in ["walk", "push", "stand", "walk-slope", "push-replan"] {
         assert!(names(&all["scenarios"]).contains(&name), "{name}");
@@ -76,7 +76,7 @@ fn the_overview_fits_a_screen_and_says_how_to_see_more() {
         let command: Vec<&str> = line.1.split(';').next().unwrap().split(' ').collect();
         folder.legwork(&command).succeeds();
     }
-    for (group, count) in [("controller.weights", 15), ("wearer", 2), ("duration_s", 1)] {
+    for (group, count) in [("controller.weights", 16), ("wearer", 2), ("duration_s", 1)] {
         let found = folder.json(&["list", "settings", group, "--json"]).remove(0);
         assert_eq!(found["settings"].as_array().unwrap().len(), count, "{group}");
         let shown = if count == 1 { group.to_owned() } else { format!("{group} ({count})") };

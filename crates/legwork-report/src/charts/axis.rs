@@ -209,14 +209,19 @@ impl Ruler {
         (LINE / apart).min(1.0).asin().to_degrees().max(SLANT).round()
     }
 
-    /// What the labels of a horizontal axis need below it, and left of its left end [px].
-    pub(super) fn needs(&self) -> [f64; 2] {
+    /// What the labels of a horizontal axis need below it, left of its left end, and right of its right end [px].
+    pub(super) fn needs(&self) -> [f64; 3] {
         let (sin, cos) = self.slant().to_radians().sin_cos();
-        let start = self.scale.range[0];
+        let [start, end] = self.scale.range;
         let beyond = |share: f64| {
             self.ticks.iter().map(|tick| share * text_width(&tick.label) - (tick.at - start)).fold(0.0, f64::max)
         };
-        if self.is_slanted() { [18.0 + sin * self.widest(), 4.0 + beyond(cos)] } else { [22.0, beyond(0.5)] }
+        let after = self.ticks.iter().map(|tick| 0.5 * text_width(&tick.label) - (end - tick.at)).fold(0.0, f64::max);
+        if self.is_slanted() {
+            [18.0 + sin * self.widest(), 4.0 + beyond(cos), 0.0]
+        } else {
+            [22.0, beyond(0.5), after]
+        }
     }
 }
 

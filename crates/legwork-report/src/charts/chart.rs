@@ -160,14 +160,15 @@ impl Chart {
         let numbers = self.parts().map(|part| part.ruler(0.0, width).widest());
         let notes = self.parts().flat_map(|part| &part.notes).map(|(_, note)| 10.0 + text_width(note));
         let (left, right) = (numbers.fold(0.0, f64::max) + GAP + 4.0, width - notes.fold(14.0, f64::max));
-        let needs = |left: f64| {
+        let needs = |left: f64, right: f64| {
             let all = self.stacks.iter().map(|stack| stack.ruler([left, self.right(stack, left, right)]).needs());
-            all.fold([0.0; 2], |most: [f64; 2], needs| [most[0].max(needs[0]), most[1].max(needs[1])])
+            all.fold([0.0; 3], |most: [f64; 3], needs| [0, 1, 2].map(|k| most[k].max(needs[k])))
         };
-        let left = left.max(needs(left)[1]);
+        let [_, before, after] = needs(left, right);
+        let (left, right) = (left.max(before), right.min(width - after));
         let right = self.stacks.iter().map(|stack| self.right(stack, left, right)).fold(right, f64::min);
         let named = self.stacks.iter().any(|stack| !stack.x.title().is_empty());
-        Layout { width, across: [left, right], foot: needs(left)[0] + if named { 26.0 } else { 6.0 } }
+        Layout { width, across: [left, right], foot: needs(left, right)[0] + if named { 26.0 } else { 6.0 } }
     }
 
     /// Where a stack ends that begins at `left`: columns of cells under texts are not stretched [px].

@@ -105,7 +105,9 @@ fn sole(model: &Model, body: usize) -> Vec<[usize; 2]> {
     let place = |k: usize| model.contacts[k].position;
     let middle = points.iter().map(|&k| place(k)).sum::<Vector3<f64>>() / points.len().max(1) as f64;
     let angle = |k: usize| (place(k).y - middle.y).atan2(place(k).x - middle.x);
-    points.sort_by(|&a, &b| angle(a).total_cmp(&angle(b)));
+    if points.len() > 2 {
+        points.sort_by(|&a, &b| angle(a).total_cmp(&angle(b)));
+    }
     match points[..] {
         [] | [_] => Vec::new(),
         [a, b] => vec![[a, b]],

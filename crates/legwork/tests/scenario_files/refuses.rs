@@ -29,7 +29,7 @@ fn wrong_types() {
     refuses(
         "duration_s = \"long\"\n",
         "my.toml:1: duration_s",
-        &["found the text \"long\"", "a number from 0.001 to 3600 [s]"],
+        &["found the text \"long\"", "a number from 0.001 to 1e6 [s]"],
     );
     refuses("duration_s = true\n", "my.toml:1: duration_s", &["found true; valid is a number"]);
     refuses("duration_s = 2024-01-01\n", "my.toml:1: duration_s", &["found 2024-01-01"]);
@@ -60,7 +60,7 @@ fn wrong_types() {
 #[test]
 fn values_out_of_range() {
     for (text, place, words) in [
-        ("duration_s = 0", "duration_s", "found 0; valid is a number from 0.001 to 3600 [s]"),
+        ("duration_s = 0", "duration_s", "found 0; valid is a number from 0.001 to 1e6 [s]"),
         ("duration_s = nan", "duration_s", "found nan"),
         ("duration_s = inf", "duration_s", "found inf"),
         ("duration_s = 1e400", "duration_s", "found inf"),
@@ -162,11 +162,6 @@ fn values_that_contradict_one_another() {
     let rows = "[reference.com]\ntrajectory = 'waypoints'\nwaypoints = [[1, 0, 0.9], [1, 0, 0.8]]\n";
     refuses(rows, "my.toml:3: reference.com.waypoints", &["row 1: 1 s comes after 1 s; valid are times that increase"]);
     refuses("fall.max_torso_angle_deg = 2\n", "my.toml:1: fall.max_torso_angle_deg", &["the start counts as a fall"]);
-    refuses(
-        "duration_s = 3600\nsimulation.period_s = 1e-5\ncontroller.period_s = 1e-5\n",
-        "my.toml:1: duration_s",
-        &["360000000 control periods", "at most 4000000"],
-    );
     refuses(
         "duration_s = 0.002\ncontroller.period_s = 0.01\n",
         "my.toml:1: duration_s",
