@@ -107,6 +107,6 @@ fn the_posture_is_a_task_where_it_is_tracked() {
         (run.tasks.len(), columns, (0..run.log.len()).map(moved).fold(0.0, f64::max))
     };
     let ((tasks, columns, free), (more_tasks, joints, held)) = (deviation("off"), deviation("cost"));
-    assert_eq!((tasks, columns, more_tasks, joints), (3, 0, 4, 18));
+    assert_eq!((tasks, columns, more_tasks, joints), (3, 0, 4, 12));
     assert!(free > 0.05 && held < 0.5 * free, "{held} rad of {free} rad");
 }

@@ -314,7 +314,7 @@ mod tests {
         }
     }
 
-    /// The alternatives of an enumeration are those that serde knows.
+    /// The alternatives of an enumeration are those that serde knows, but that some tasks cannot be off.
     #[test]
     fn alternatives_are_complete() {
         for setting in SETTINGS {
@@ -322,7 +322,8 @@ mod tests {
             let mut tree = template();
             *at(&mut tree, setting.path).expect("it is in the scenario") = Value::String("?".into());
             let refusal = tree.try_into::<Scenario>().expect_err("no such alternative").to_string();
-            let listed: Vec<_> = refusal.lines().next().unwrap_or("").split('`').skip(3).step_by(2).collect();
+            let known = refusal.lines().next().unwrap_or("").split('`').skip(3).step_by(2);
+            let listed: Vec<_> = known.filter(|known| *known != "off" || alternatives.contains(known)).collect();
             assert_eq!(listed, alternatives, "{}", setting.path);
         }
     }

@@ -98,7 +98,7 @@ fn what_is_written_is_read_back() {
     let text = to_toml(&load("push", &[]).expect("it is valid").scenario);
     let unwrapped = text.replace("\n# ", " ");
     let line = "C_f: Weight of the feet's acceleration error. Valid is a number from 0 to 1e12; default 500000.0 \
-                (thesis Table 6.3).\nfeet = 500000.0\n";
+                (thesis Table 6.3).\nfeet = 500000.0";
     assert!(unwrapped.contains(line), "{text}");
     assert_eq!(unwrapped.matches(" Valid is ").count(), text.matches(" = ").count() - text.matches("D = ").count());
     assert!(text.lines().all(|line| !line.starts_with('#') || line.chars().count() <= 100), "{text}");
