@@ -107,7 +107,7 @@ fn overview(sections: &[Section]) -> String {
         text += &folded(&format!("  {}", names.join(", ")), 2).replace('\u{a0}', " ");
         text += "\n\n";
     }
-    text + "legwork show NAME prints a scenario with all its settings, or a study, as a file."
+    text + "legwork show NAME prints a scenario with its settings, or a study, as a file."
 }
 
 /// The tables of settings, each with the number of its settings; those of no table by their names.

@@ -94,7 +94,7 @@ fn prepare(name: &str, options: &RunArgs) -> Result<Job, Error> {
     let streams = options.log.is_some() && options.report.is_none() && options.plots.is_none();
     let sink = || -> Box<dyn Sink> { Box::new(()) };
     let parts = Parts { samples: samples.clone(), sink: streams.then(sink), ..Parts::default() };
-    Episode::with(&loaded.scenario, &model, parts).map_err(|error| loaded.locate(error))?;
+    Episode::with(&loaded.scenario, &model, parts).map_err(|error| as_typed(loaded.locate(error), name, options))?;
     let label = loaded.scenario.name.clone();
     Ok(Job { scenario: loaded.scenario, model, samples, label, log: None, streams })
 }
