@@ -53,7 +53,7 @@ impl HoldController {
 }
 
 /// The torques of the actuated joints that hold `model` at rest, with the least forces on the contact points that touch: the least
-/// squares of `S τ + Jᵀ ρ = G`.
+/// squares of `S τ + Jᵀ ρ = G + e`, with `e` the pull of springs and stops.
 fn standing(model: &Model, start: &Sensed) -> Vec<f64> {
     let mut dynamics = Dynamics::new(model);
     dynamics.update(model, &start.q, &vec![0.0; model.nv()]);
@@ -70,7 +70,8 @@ fn standing(model: &Model, start: &Sensed) -> Vec<f64> {
             map.set_column(actuated.len() + index * axes + axis, &row);
         }
     }
-    let solved = map.svd(true, true).solve(&dynamics.gravity, 1e-9);
+    let borne = &dynamics.gravity + &dynamics.elastic;
+    let solved = map.svd(true, true).solve(&borne, 1e-9);
     solved.map_or_else(|_| vec![0.0; actuated.len()], |solved| solved.as_slice()[..actuated.len()].to_vec())
 }
 
@@ -100,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_hanging_pendulum_is_held_where_it_is_against_its_weight() {
+    fn a_hanging_pendulum_is_held_where_it_is_against_its_weight_and_its_spring() {
         let text = r#"
             name = "pendulum"
             base = "fixed"
@@ -113,7 +114,7 @@ mod tests {
             mass_kg = 2.0
             com_m = [0.0, 0.0, -0.5]
             inertia_kgm2 = { xx = 0.1, yy = 0.1, zz = 0.01 }
-            joint = { name = "swing", type = "revolute", axis = [0.0, -1.0, 0.0] }
+            joint = { name = "swing", type = "revolute", axis = [0.0, -1.0, 0.0], spring_nmpr = 20.0, rest_deg = 90.0 }
         "#;
         let model = Model::from_toml(text, "pendulum.toml").expect("a sound model");
         let mut start = Sensed::new(&model);
@@ -121,13 +122,13 @@ mod tests {
         let settings = HoldSettings { stiffness_nmprad: 100.0, damping_nmsprad: 5.0 };
         let mut hold = HoldController::new(&settings, &model, &start).expect("a state");
         let dynamics = Dynamics::new(&model);
-        let weight = 2.0 * 9.81 * 0.5 * 0.7_f64.sin();
+        let borne = 2.0 * 9.81 * 0.5 * 0.7_f64.sin() + 20.0 * (0.7 - std::f64::consts::FRAC_PI_2);
         let torque = |hold: &mut HoldController, q: f64, v: f64| {
             let sensed = Sensed { q: vec![q], v: vec![v], ..start.clone() };
             hold.tick(&sensed, &dynamics).torque[0]
         };
-        assert!((torque(&mut hold, 0.7, 0.0) - weight).abs() < 1e-9, "{}", torque(&mut hold, 0.7, 0.0));
-        assert!((torque(&mut hold, 0.6, 0.2) - weight - 10.0 + 1.0).abs() < 1e-9);
+        assert!((torque(&mut hold, 0.7, 0.0) - borne).abs() < 1e-9, "{}", torque(&mut hold, 0.7, 0.0));
+        assert!((torque(&mut hold, 0.6, 0.2) - borne - 10.0 + 1.0).abs() < 1e-9);
         let before = torque(&mut hold, 0.65, 0.0);
         assert_eq!(torque(&mut hold, f64::NAN, 0.0), before, "no state: the torques of the tick before are held");
     }

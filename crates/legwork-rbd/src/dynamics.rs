@@ -192,6 +192,13 @@ impl Dynamics {
         libm::atan2(x.z, libm::hypot(x.x, x.y))
     }
 
+    /// What the joints bear by themselves at coordinate `j` [Nm or N]: bias, damping and elastic force.
+    #[inline]
+    #[must_use]
+    pub fn passive(&self, j: usize) -> f64 {
+        self.bias[j] + self.damping[j] + self.elastic[j]
+    }
+
     /// The generalised force of `force` [N] on a point that is fixed to `body` and now at `world_point` [m], added to
     /// `out` (nv). Of the latest position.
     pub fn add_point_force(&self, body: usize, world_point: &Vector3<f64>, force: &Vector3<f64>, out: &mut [f64]) {

@@ -67,8 +67,7 @@ impl ForwardDynamics {
                 if D.is_nan() || D <= 0.0 {
                     return false;
                 }
-                let passive = dynamics.bias[j] + dynamics.damping[j] + dynamics.elastic[j];
-                let u = tau[j] - passive - s.dot(&force);
+                let u = tau[j] - dynamics.passive(j) - s.dot(&force);
                 articulated.release(&U, D);
                 force.add_scaled(&U, u / D);
                 (self.momentum[j], self.inertia[j], self.drive[j]) = (U, D, u);

@@ -42,8 +42,7 @@ impl InverseDynamics {
         }
         for (i, body) in model.bodies.iter().enumerate().rev() {
             for j in body.v_index..body.v_index + body.joint.nv() {
-                let passive = dynamics.bias[j] + dynamics.damping[j] + dynamics.elastic[j];
-                tau[j] = dynamics.subspace[j].dot(&self.force[i]) + passive;
+                tau[j] = dynamics.subspace[j].dot(&self.force[i]) + dynamics.passive(j);
             }
             if let Some(parent) = body.parent {
                 let force = self.force[i];

@@ -221,6 +221,10 @@ impl Episode {
         let mut truth = Sensed::new(&model);
         plant.read(&mut truth);
         truth.check(&model)?;
+        let mut dynamics = plant.dynamics().is_none().then(|| Dynamics::new(&model));
+        if let Some(dynamics) = &mut dynamics {
+            dynamics.update(&model, &truth.q, &truth.v);
+        }
         let controller = match (parts.controller, parts.generator) {
             (Some(controller), _) => controller,
             (None, Some(generator)) => Box::new(scenario.momentum_controller_after(known, generator)),
@@ -247,7 +251,7 @@ impl Episode {
         let ideal = scenario.simulation.sensors.are_ideal() && error == 0.0;
         Ok(Self {
             sensors: Sensors::new(&scenario.simulation.sensors, &model, period, scenario.seed, &truth),
-            dynamics: plant.dynamics().is_none().then(|| Dynamics::new(&model)),
+            dynamics,
             estimated: (!ideal).then(|| Dynamics::new(known)),
             record: vec![0.0; columns.width()],
             balance_before: vec![0.0; columns.range(Field::Balance).len()],
@@ -287,25 +291,26 @@ impl Episode {
         if self.tick >= self.ticks || self.fall.is_some() {
             return Ok(false);
         }
-        self.plant.read(&mut self.truth);
-        if let Some(dynamics) = &mut self.dynamics {
-            dynamics.update(&self.model, &self.truth.q, &self.truth.v);
-        }
         self.sensors.read(&self.truth, &mut self.told);
         self.control();
         self.write_down()?;
 
         let before = self.has_balance().then(|| self.moment());
         let health = self.plant.apply(self.controller.command(), self.scenario.controller.period_s);
-        self.plant.read(&mut self.truth);
-        if let Some(dynamics) = &mut self.dynamics {
-            dynamics.update(&self.model, &self.truth.q, &self.truth.v);
-        }
+        self.look();
         self.write_down_what_came_of_it(before)?;
         self.tick += 1;
         let robot = (&self.model, self.dynamics());
         self.fall = diagnosis::fall(&self.scenario, robot, &self.ground, &self.truth, health == Health::Sound);
         Ok(self.fall.is_none() && self.tick < self.ticks)
+    }
+
+    /// Takes the true state from the physics.
+    fn look(&mut self) {
+        self.plant.read(&mut self.truth);
+        if let Some(dynamics) = &mut self.dynamics {
+            dynamics.update(&self.model, &self.truth.q, &self.truth.v);
+        }
     }
 
     /// The control tick.
@@ -318,7 +323,7 @@ impl Episode {
             }
             // Those of the true state are those of what is told.
             None => {
-                let dynamics = self.dynamics.as_ref().or(self.plant.dynamics()).expect("either has them");
+                let dynamics = of_truth(&self.dynamics, self.plant.as_ref());
                 self.controller.tick(&self.told, dynamics);
             }
         }
@@ -343,7 +348,7 @@ impl Episode {
     /// Begins the tick's record: the true state, the references, and what the controller made of them.
     fn write_down(&mut self) -> Result<(), Error> {
         self.record.fill(0.0);
-        let dynamics = self.dynamics.as_ref().or(self.plant.dynamics()).expect("either has them");
+        let dynamics = of_truth(&self.dynamics, self.plant.as_ref());
         let mut record = Record::new(&self.columns, &mut self.record);
         record::state(&mut record, &self.model, &self.truth, dynamics);
         record.set(Field::Torque, self.controller.command().torque.iter().copied());
@@ -407,6 +412,7 @@ impl Episode {
         let scenario = crate::scenario_file::change(&self.scenario, path, value)?;
         let ground = scenario.terrain(&self.model);
         self.plant.change(&scenario.simulation, &scenario.pushes, &ground)?;
+        self.look();
         let settings = crate::wearer::controller(&scenario, &self.known);
         let believed = scenario.believed_terrain(&self.known);
         self.controller.change(&settings, &scenario.fitted_reference(), &believed);
@@ -435,7 +441,7 @@ impl Episode {
 
     /// Dynamics of the true robot in its present state.
     pub fn dynamics(&self) -> &Dynamics {
-        self.dynamics.as_ref().or(self.plant.dynamics()).expect("either has them")
+        of_truth(&self.dynamics, self.plant.as_ref())
     }
 
     /// The controller, with its latest command and reference, its tasks and limits.
@@ -512,6 +518,11 @@ impl Episode {
             log: self.log,
         })
     }
+}
+
+/// Dynamics of the true state: the episode's `own`, or those of the `plant`.
+fn of_truth<'a>(own: &'a Option<Dynamics>, plant: &'a dyn Plant) -> &'a Dynamics {
+    own.as_ref().or(plant.dynamics()).expect("either has them")
 }
 
 /// Runs `scenario` with `model` to its end, or until `stop` says so; see [`Episode::new`].

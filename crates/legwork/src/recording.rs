@@ -91,7 +91,7 @@ impl Replay {
     /// The states of the records of `log`.
     ///
     /// # Errors
-    /// There is none.
+    /// The log has no record.
     pub fn of(log: &Log) -> Result<Self, Error> {
         if log.is_empty() {
             return Err(Error::invalid("log", "found no record; a replay needs at least one"));

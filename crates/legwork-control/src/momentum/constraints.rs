@@ -18,7 +18,7 @@ pub fn dynamics(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
         for (entry, jacobian) in row[layout.rho.clone()].iter_mut().zip(column(&dynamics.contact_jacobian, dof)) {
             *entry = -jacobian;
         }
-        equality(problem, index, -(dynamics.bias[dof] + dynamics.damping[dof]) - dynamics.elastic[dof]);
+        equality(problem, index, -dynamics.passive(dof));
     }
     for (index, &dof) in layout.actuated.iter().enumerate() {
         if layout.form == QpForm::Slack {

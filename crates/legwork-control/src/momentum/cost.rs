@@ -30,8 +30,7 @@ pub fn operating(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
                     -inputs.dynamics.contact_jacobian[(variable - layout.rho.start, dof)]
                 }
             };
-            let dynamics = inputs.dynamics;
-            let offset = dynamics.bias[dof] + dynamics.damping[dof] + dynamics.elastic[dof];
+            let offset = inputs.dynamics.passive(dof);
             for i in 0..n {
                 for j in 0..n {
                     problem.hessian_mut()[i * n + j] += 2.0 * weights.torque * coefficient(i) * coefficient(j);

@@ -193,11 +193,6 @@ impl Layout {
     }
 }
 
-/// `x`, `y` or `z`: the name of a linear axis.
-pub(crate) fn axis_name(model: &Model, row: usize) -> char {
-    ['x', 'y', 'z'][model.linear_axes()[row].imax()]
-}
-
 /// `-1` at the lower side, `1` at the upper.
 pub(crate) fn side_sign(side: Side) -> i8 {
     if side == Side::Lower { -1 } else { 1 }

@@ -1,9 +1,8 @@
 //! What limits the program and what an infeasible program is short of, as data; all words and column names for them are made here.
 
+use legwork_contract::names;
 use legwork_qp::Constraint;
 use legwork_rbd::Model;
-
-use super::layout::axis_name;
 
 /// What a limit limits. The ends of a joint's range have no limit of their own in this program: they bound the joint's
 /// acceleration (4.32).
@@ -66,7 +65,8 @@ impl LimitKind {
         match self {
             Self::Torque { dof } | Self::Acceleration { dof } => format!("{quantity} {}", model.dofs[dof].name),
             Self::Force { contact, axis } => {
-                format!("{quantity} {} {}", model.contacts[contact].name, axis_name(model, axis))
+                let axis = names::linear(model).nth(axis).expect("an axis of the model");
+                format!("{quantity} {} {axis}", model.contacts[contact].name)
             }
             Self::Unloading { contact } => format!("{quantity} {}", model.contacts[contact].name),
             Self::Friction { contact, edge } => {

@@ -51,7 +51,7 @@ pub fn read_solution(layout: &Layout, inputs: &Inputs<'_>, x: &[f64], solution: 
             QpForm::Slack => x[layout.tau.start + index],
             QpForm::Direct => {
                 // Thesis (4.22)
-                let mut torque = dynamics.bias[dof] + dynamics.damping[dof] + dynamics.elastic[dof];
+                let mut torque = dynamics.passive(dof);
                 for (m, qdd) in column(&dynamics.mass_matrix, dof).iter().zip(&solution.qdd) {
                     torque += m * qdd; // M is symmetric
                 }

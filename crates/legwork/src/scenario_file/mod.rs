@@ -16,7 +16,7 @@ use legwork_rbd::Model;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
-use crate::library::{self, Document, Kind, load_model, load_samples, model_text};
+use crate::library::{self, Kind, load_model, load_samples, model_text};
 use crate::scenario::{Scenario, TrajectoryKind};
 use crate::settings::{Setting, at, tree};
 use crate::wearer;
@@ -126,11 +126,7 @@ pub fn check(tree: toml::Value, name: &str) -> Result<Scenario, Error> {
 /// There is no such setting, it may not change while a run goes on, or its value is not valid.
 pub(crate) fn change(scenario: &Scenario, path: &str, text: &str) -> Result<Scenario, Error> {
     let mut draft = Draft { tree: tree(scenario), places: Places::default() };
-    let place = |error: Error| match error {
-        Error::Invalid { place, problem } => Error::invalid(place.trim_start_matches("--set "), problem),
-        other => other,
-    };
-    draft.set(&format!("{path}={text}")).map_err(place)?;
+    draft.set(&format!("{path}={text}")).map_err(not_of_a_set)?;
     match Setting::find(path).map(Setting::fixed) {
         Some(Some(why)) => return Err(Error::invalid(path, format!("may not change while a run goes on: {why}"))),
         None if path != "pushes" => return Err(Error::invalid(path, "found a table; valid is one setting of it")),
@@ -140,7 +136,7 @@ pub(crate) fn change(scenario: &Scenario, path: &str, text: &str) -> Result<Scen
         // From now on it is asked for, whatever was to come.
         *at(&mut draft.tree, "reference.walker.speeds").expect("a setting") = toml::Value::Array(Vec::new());
     }
-    draft.check(path).map_err(place)
+    draft.check(path).map_err(not_of_a_set)
 }
 
 /// A list of pushes, with the defaults of what each leaves out.
@@ -149,11 +145,16 @@ pub(crate) fn change(scenario: &Scenario, path: &str, text: &str) -> Result<Scen
 /// It is no such list.
 pub fn pushes(list: &toml::Value) -> Result<toml::Value, Error> {
     let mut draft = Draft::default();
-    draft.set(&format!("pushes={list}")).map_err(|error| match error {
+    draft.set(&format!("pushes={list}")).map_err(not_of_a_set)?;
+    Ok(draft.tree["pushes"].clone())
+}
+
+/// The error of a [`Draft::set`] that no `--set` asked for.
+fn not_of_a_set(error: Error) -> Error {
+    match error {
         Error::Invalid { place, problem } => Error::invalid(place.trim_start_matches("--set "), problem),
         other => other,
-    })?;
-    Ok(draft.tree["pushes"].clone())
+    }
 }
 
 fn resolve(origin: Origin, sets: &[String]) -> Result<Loaded, Error> {
@@ -182,12 +183,13 @@ struct Origin<'a> {
 impl Origin<'_> {
     /// Finds a built-in scenario, or a file relative to `folder`.
     fn open(name: &str, folder: Option<&Path>) -> Result<Self, Error> {
-        let Document { text, file_name, path } = library::open(Kind::Scenario, name, folder)?;
-        let identity = match &path {
+        let found = library::open(Kind::Scenario, name, folder)?;
+        let identity = match &found.path {
             Some(path) => path.canonicalize().unwrap_or_else(|_| path.clone()),
-            None => PathBuf::from(&file_name),
+            None => PathBuf::from(&found.file_name),
         };
-        Ok(Self { identity, file_name, folder: path.and_then(|path| path.parent().map(Path::to_owned)), text })
+        let folder = found.folder().map(Path::to_owned);
+        Ok(Self { identity, file_name: found.file_name, folder, text: found.text })
     }
 
     /// Its values over those of the scenario that it extends; `extending` are the scenarios that extend this one.

@@ -14,7 +14,7 @@ use crate::settings::{self, SETTINGS, Setting, at};
 /// # Panics
 /// If the seed is above `i64::MAX`.
 pub fn to_toml(scenario: &Scenario) -> String {
-    let mut tree = settings::tree(scenario);
+    let mut tree = settings::in_use(scenario);
     let mut text = String::new();
     for group in SETTINGS.chunk_by(|a, b| a.table() == b.table()) {
         match group[0].table() {
@@ -25,7 +25,7 @@ pub fn to_toml(scenario: &Scenario) -> String {
                 }
             }
             table => {
-                if group.iter().all(|setting| settings::idle(&mut tree, setting.path).is_some()) {
+                if group.iter().all(|setting| at(&mut tree, setting.path).is_none()) {
                     continue;
                 }
                 if !table.is_empty() {
@@ -38,14 +38,11 @@ pub fn to_toml(scenario: &Scenario) -> String {
     text
 }
 
-/// The values of a table; `index` stands for the N in their paths.
+/// The values of a table that are in use; `index` stands for the N in their paths.
 fn write_values(group: &[Setting], index: &str, tree: &mut Value, text: &mut String) {
     for setting in group {
         let path = setting.path.replace('N', index);
-        if settings::idle(tree, &path).is_some() {
-            continue;
-        }
-        let value = at(tree, &path).expect("the table of settings matches the scenario");
+        let Some(value) = at(tree, &path) else { continue };
         let _ = writeln!(text, "{}{} = {value}", wrapped(&comment(setting)), setting.key());
     }
 }

@@ -12,11 +12,11 @@ use std::fmt::Debug;
 use std::ops::Range;
 
 use legwork_rbd::{Dynamics, Model};
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector};
 
 use super::Inputs;
 use crate::generator::Reference;
-use crate::settings::{ControllerSettings, Damping, PlannerSettings, Tracking, TrackingSettings, Weights};
+use crate::settings::{ControllerSettings, Damping, PlannerSettings, Tracking, TrackingSettings};
 use legwork_contract::feet::FeetMotion;
 use legwork_contract::names;
 
@@ -36,11 +36,6 @@ pub fn laws(settings: &ControllerSettings, model: &Model) -> Vec<Box<dyn Law>> {
 pub trait Law: CloneLaw + Debug + Send + Sync {
     /// The task's name: that of its setting in `controller.tracking` and of its columns in the log, and its word in sentences.
     fn name(&self) -> &'static str;
-
-    /// Whether a program with these weights has the task: always, where nothing else is said.
-    fn is_wanted(&self, _weights: &Weights) -> bool {
-        true
-    }
 
     /// The task's rows, in their order.
     fn parts(&self, model: &Model) -> Vec<Part>;
@@ -190,9 +185,4 @@ fn damping(settings: &PlannerSettings, inertia: f64, gain: f64) -> f64 {
         Damping::Printed => libm::sqrt(2.0 * inertia * gain),
         Damping::Critical => 2.0 * libm::sqrt(inertia * gain),
     }
-}
-
-/// A turn about −y as a vector.
-fn about_y(angle: f64) -> Vector3<f64> {
-    Vector3::new(0.0, -angle, 0.0)
 }

@@ -6,7 +6,8 @@ use legwork_rbd::{Dynamics, Model};
 use nalgebra::{DMatrix, DVector};
 
 use super::super::Inputs;
-use super::{Law, Part, Seen, about_y, damping};
+use super::{Law, Part, Seen, damping};
+use crate::generator::TurnReference;
 use crate::settings::{Tracking, TrackingSettings};
 use legwork_contract::feet::{FeetMotion, rotated, rotation_error};
 
@@ -35,7 +36,7 @@ impl Law for Torso {
         // Thesis (4.6), as meant: position and velocity of the torso, not its acceleration. In space its rotation vector.
         let torso = &seen.reference.chest.turn;
         let turn = if model.is_planar() {
-            about_y(torso.in_plane()[0] - dynamics.torso_angle(model))
+            TurnReference::pitch(torso.in_plane()[0] - dynamics.torso_angle(model), 0.0, 0.0).turn
         } else {
             rotation_error(&dynamics.world_from_body[model.torso].rotation, &rotated(&torso.turn))
         };
