@@ -3,6 +3,8 @@
 //! An [`Episode`] lets both act on each other, tick by tick, and writes a record of each tick. Controller, reference generator
 //! and physics are those of the scenario, or one's own ([`Parts`]).
 
+use std::borrow::Cow;
+
 use legwork_qp::Status;
 use legwork_rbd::{Dynamics, Model};
 
@@ -138,8 +140,9 @@ pub struct Parts {
     pub clock: Option<fn() -> f64>,
 }
 
-/// The records that stay in memory where a sink takes them are those of the latest so many seconds: what a diagnosis looks back at.
-pub const KEPT_S: f64 = 60.0;
+/// The diagnosis of a fall looks back at so many seconds. Where a sink takes the records, those of the latest so many seconds stay in
+/// memory, or up to a quarter more.
+pub const KEPT_S: f64 = 10.0;
 
 /// So many ticks of a run are timed at most.
 pub const MOST_TIMED: usize = 1_000_000;
@@ -486,7 +489,12 @@ impl Episode {
         let (tasks, limits) = (self.controller.tasks().to_vec(), self.controller.limits().to_vec());
         let diagnosis = match &outcome {
             Outcome::Fell(fall) => {
-                Some(diagnosis::diagnose(&self.scenario, &self.model, fall, &self.log, (&tasks, &limits)))
+                // Of as many records wherever they go, so that a run is explained in the same words.
+                let (from, mut latest) = (fall.time - KEPT_S, Cow::Borrowed(&self.log));
+                if latest.time(0) < from {
+                    latest = Cow::Owned(latest.since(from));
+                }
+                Some(diagnosis::diagnose(&self.scenario, &self.model, fall, &latest, (&tasks, &limits)))
             }
             Outcome::Completed | Outcome::Stopped => None,
         };

@@ -27,15 +27,15 @@ impl Log {
         log
     }
 
-    /// An empty log of `model` that forgets all but the latest `kept` records, or up to twice as many.
+    /// An empty log of `model` that forgets all but the latest `kept` records, or up to a quarter more.
     pub fn of_latest(columns: Columns, model: &Model, kept: usize) -> Self {
-        Self { kept: Some(kept), ..Self::new(columns, model, 2 * kept) }
+        Self { kept: Some(kept), ..Self::new(columns, model, kept + kept / 4) }
     }
 
     /// Adds a record.
     pub fn push(&mut self, record: &[f64]) {
         let width = self.columns.width();
-        if let Some(kept) = self.kept.filter(|kept| self.len() >= 2 * kept) {
+        if let Some(kept) = self.kept.filter(|kept| self.len() >= kept + kept / 4) {
             self.values.drain(..(self.len() - kept) * width);
         }
         self.values.extend_from_slice(record);

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Debug, Display, Formatter};
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -74,7 +74,14 @@ pub fn create(path: &Path, scenario: &str) -> Result<Box<dyn Sink>, Error> {
         }
         Format::Parquet => {
             let scenario = scenario.to_owned();
-            Box::new(Parquet { path, file: Some(file), scenario, writer: None, columns: Vec::new() })
+            Box::new(Parquet {
+                path,
+                file: Some(file),
+                scenario,
+                writer: None,
+                block: Vec::new(),
+                aside: Aside::default(),
+            })
         }
     })
 }
@@ -109,8 +116,11 @@ impl Sink for Csv {
     }
 }
 
-/// So many records are written at once.
-const ROWS: usize = 8192;
+/// So many records are in memory before they are put aside.
+const BLOCK: usize = 8192;
+
+/// So many blocks make a row group. A writer remembers every group's columns until its end, so that there must be few.
+const BLOCKS: usize = 32;
 
 struct Parquet {
     path: PathBuf,
@@ -119,8 +129,52 @@ struct Parquet {
     scenario: String,
     /// From the first record on.
     writer: Option<SerializedFileWriter<BufWriter<File>>>,
-    /// What is not yet written, a column after the other.
-    columns: Vec<Vec<f64>>,
+    /// The latest records, a column after the other.
+    block: Vec<Vec<f64>>,
+    aside: Aside,
+}
+
+/// Blocks of the row group to be written next, in a file without a name: a group is written by columns.
+#[derive(Default)]
+struct Aside {
+    file: Option<File>,
+    blocks: usize,
+}
+
+impl Aside {
+    /// Takes a full block, in the folder of the log at `path` where it may, and empties it.
+    fn put(&mut self, block: &mut [Vec<f64>], path: &Path) -> io::Result<()> {
+        let file = match self.file.take() {
+            Some(file) => file,
+            None => path
+                .parent()
+                .map_or_else(tempfile::tempfile, tempfile::tempfile_in)
+                .or_else(|_| tempfile::tempfile())?,
+        };
+        let mut writer = BufWriter::new(self.file.insert(file));
+        for column in block {
+            for value in column.drain(..) {
+                writer.write_all(&value.to_le_bytes())?;
+            }
+        }
+        self.blocks += 1;
+        writer.flush()
+    }
+
+    /// The values of a column of `width` in a block.
+    fn get(&mut self, block: usize, column: usize, width: usize) -> io::Result<Vec<f64>> {
+        let Some(file) = &mut self.file else { return Ok(Vec::new()) };
+        let mut bytes = vec![0; BLOCK * size_of::<f64>()];
+        file.seek(SeekFrom::Start(((block * width + column) * bytes.len()) as u64))?;
+        file.read_exact(&mut bytes)?;
+        Ok(bytes.as_chunks().0.iter().map(|value| f64::from_le_bytes(*value)).collect())
+    }
+
+    /// Forgets all blocks.
+    fn clear(&mut self) -> io::Result<()> {
+        self.blocks = 0;
+        self.file.as_mut().map_or(Ok(()), Seek::rewind)
+    }
 }
 
 impl Debug for Parquet {
@@ -144,24 +198,41 @@ impl Parquet {
         let properties = WriterProperties::builder().set_compression(Compression::SNAPPY);
         let properties = properties.set_key_value_metadata(Some(metadata)).build();
         self.writer = Some(SerializedFileWriter::new(BufWriter::new(file), schema, Arc::new(properties))?);
-        self.columns = vec![Vec::with_capacity(ROWS); columns.width()];
+        self.block = vec![Vec::with_capacity(BLOCK); columns.width()];
         Ok(())
     }
 
+    /// Writes a row group of what was put aside and of the latest records.
     fn flush(&mut self) -> Result<(), ParquetError> {
         let Some(writer) = &mut self.writer else { return Ok(()) };
-        if self.columns[0].is_empty() {
+        if self.aside.blocks == 0 && self.block[0].is_empty() {
             return Ok(());
         }
+        let width = self.block.len();
         let mut rows = writer.next_row_group()?;
-        for values in &mut self.columns {
+        for (index, latest) in self.block.iter_mut().enumerate() {
             let mut column = rows.next_column()?.expect("as many columns as the schema has");
-            column.typed::<DoubleType>().write_batch(values, None, None)?;
+            for block in 0..self.aside.blocks {
+                column.typed::<DoubleType>().write_batch(&self.aside.get(block, index, width)?, None, None)?;
+            }
+            column.typed::<DoubleType>().write_batch(latest, None, None)?;
             column.close()?;
-            values.clear();
+            latest.clear();
         }
         rows.close()?;
-        Ok(())
+        Ok(self.aside.clear()?)
+    }
+
+    fn take(&mut self, columns: &Columns, values: &[f64]) -> Result<(), ParquetError> {
+        self.begin(columns)?;
+        for (column, value) in self.block.iter_mut().zip(values) {
+            column.push(*value);
+        }
+        match self.block[0].len() {
+            BLOCK if self.aside.blocks + 1 < BLOCKS => Ok(self.aside.put(&mut self.block, &self.path)?),
+            BLOCK => self.flush(),
+            _ => Ok(()),
+        }
     }
 
     fn close(&mut self, hashes: &Hashes) -> Result<(), ParquetError> {
@@ -177,17 +248,46 @@ impl Parquet {
 
 impl Sink for Parquet {
     fn record(&mut self, columns: &Columns, values: &[f64]) -> Result<(), Error> {
-        self.begin(columns).map_err(|error| failed(&self.path, error))?;
-        for (column, value) in self.columns.iter_mut().zip(values) {
-            column.push(*value);
-        }
-        if self.columns[0].len() < ROWS {
-            return Ok(());
-        }
-        self.flush().map_err(|error| failed(&self.path, error))
+        self.take(columns, values).map_err(|error| failed(&self.path, error))
     }
 
     fn finish(&mut self, hashes: &Hashes) -> Result<(), Error> {
         self.close(hashes).map_err(|error| failed(&self.path, error))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+
+    use super::*;
+    use crate::channel::Field;
+
+    #[test]
+    fn a_long_log_has_few_row_groups_with_every_record_in_its_place() {
+        let channels = ["t", "x"].map(|name| Channel { field: Field::Time, name: name.to_owned(), unit: "s" });
+        let columns = Columns::new(channels.to_vec()).expect("names that differ");
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("log.parquet");
+        let count = 2 * BLOCKS * BLOCK + 3 * BLOCK + 5;
+        let mut sink = create(&path, "long").expect("a file");
+        for index in 0..count {
+            sink.record(&columns, &[index as f64, -0.1 * index as f64]).expect("room on the disk");
+        }
+        sink.finish(&Hashes { input: 1, result: 2 }).expect("room on the disk");
+
+        assert_eq!(folder.path().read_dir().expect("a folder").count(), 1, "what was put aside is gone");
+        let reader = SerializedFileReader::new(File::open(&path).expect("a file")).expect("Parquet");
+        assert_eq!(reader.num_row_groups(), 3);
+        let rows = reader.get_row_iter(None).expect("rows").map(|row| row.expect("a row").into_columns());
+        let mut seen = 0;
+        for (index, row) in rows.enumerate() {
+            let values: Vec<String> = row.iter().map(|(_, value)| value.to_string()).collect();
+            let expected =
+                [index as f64, -0.1 * index as f64].map(|value| parquet::record::Field::Double(value).to_string());
+            assert_eq!(values, expected, "record {index}");
+            seen += 1;
+        }
+        assert_eq!(seen, count);
     }
 }
