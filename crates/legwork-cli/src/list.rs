@@ -94,7 +94,7 @@ fn overview(sections: &[Section]) -> String {
     let mut text = String::new();
     for Section { title, entries } in sections {
         let names: Vec<String> = if *title == "settings" {
-            groups().into_iter().map(|(group, count)| format!("{group} ({count})")).collect()
+            groups().into_iter().map(|(name, count)| count.map_or(name.to_owned(), |count| format!("{name} ({count})"))).collect()
         } else {
             entries.iter().map(|(name, _, _)| name.clone()).collect()
         };
@@ -110,12 +110,12 @@ fn overview(sections: &[Section]) -> String {
     text + "legwork show NAME prints a scenario with its settings, or a study, as a file."
 }
 
-/// The tables of settings, each with the number of its settings; those of no table by their names.
-fn groups() -> Vec<(&'static str, usize)> {
+/// The tables of settings, each with the number of its settings, and the settings of no table.
+fn groups() -> Vec<(&'static str, Option<usize>)> {
     let tables = SETTINGS.chunk_by(|a, b| a.table() == b.table());
     let group = |settings: &'static [Setting]| match settings[0].table() {
-        "" => settings.iter().map(|setting| (setting.path, 1)).collect(),
-        table => vec![(table, settings.len())],
+        "" => settings.iter().map(|setting| (setting.path, None)).collect(),
+        table => vec![(table, Some(settings.len()))],
     };
     tables.flat_map(group).collect()
 }

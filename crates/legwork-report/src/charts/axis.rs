@@ -160,6 +160,8 @@ pub(super) struct Ruler {
     /// Of the values, or of their decimal logarithms.
     scale: Scale,
     log: bool,
+    /// Whether its values count texts.
+    of_texts: bool,
     pub(super) ticks: Vec<Tick>,
     pub(super) title: String,
 }
@@ -180,6 +182,12 @@ impl Ruler {
     /// From where to where it reaches [px].
     pub(super) fn range(&self) -> [f64; 2] {
         self.scale.range
+    }
+
+    /// Whether zero lies between its ends, and is one of its values.
+    pub(super) fn crosses_zero(&self) -> bool {
+        let [from, to] = self.domain();
+        !self.of_texts && from < 0.0 && to > 0.0
     }
 
     /// What it covers.
@@ -231,7 +239,7 @@ fn of_texts(title: &str, texts: &[String], range: [f64; 2]) -> Ruler {
     let stride = (LINE * count / (range[1] - range[0]).abs()).ceil().max(1.0) as usize;
     let shown = texts.iter().enumerate().step_by(stride);
     let ticks = shown.map(|(k, text)| Tick { at: scale.at(k as f64), label: text.clone() });
-    Ruler { scale, log: false, ticks: ticks.collect(), title: title.to_owned() }
+    Ruler { scale, log: false, of_texts: true, ticks: ticks.collect(), title: title.to_owned() }
 }
 
 /// A range of values, a little wider, and at least `least` wide; never empty.
@@ -253,7 +261,7 @@ fn linear(quantity: &Quantity, domain: [f64; 2], range: [f64; 2], most: usize) -
     let ruler = |step: f64| {
         let tick = |value: f64| Tick { at: scale.at(value), label: tick_label(value / unit, step / unit) };
         let ticks = multiples(domain[0], domain[1], step).into_iter().map(tick).collect();
-        Ruler { scale, log: false, ticks, title: quantity.title(exponent) }
+        Ruler { scale, log: false, of_texts: false, ticks, title: quantity.title(exponent) }
     };
     let span = domain[1] - domain[0];
     let mut step = round_step(span, most);
@@ -296,7 +304,7 @@ fn logarithmic(quantity: &Quantity, domain: [f64; 2], range: [f64; 2], most: usi
             .map(|(value, label)| tick(value, label))
             .collect()
     };
-    Ruler { scale, log: true, ticks, title: quantity.title(0) }
+    Ruler { scale, log: true, of_texts: false, ticks, title: quantity.title(0) }
 }
 
 /// Round numbers on a logarithmic axis that has no two powers of ten on it.

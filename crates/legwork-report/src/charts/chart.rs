@@ -45,7 +45,7 @@ pub(crate) struct Part {
 /// Between stacks side by side [px].
 const GUTTER: f64 = 20.0;
 /// Below a coordinate system [px].
-const BELOW: f64 = 8.0;
+const BELOW: f64 = 12.0;
 /// Widest column of cells under a text, and least height of the bar of colours [px].
 const WIDEST: f64 = 92.0;
 const BAR: f64 = 112.0;
@@ -91,7 +91,7 @@ impl Stack {
     }
 
     fn ruler(&self, range: [f64; 2]) -> Ruler {
-        self.x.shortened(150.0).on(range, 44.0)
+        self.x.shortened(150.0).on(range, ((range[1] - range[0]) / 8.0).clamp(36.0, 62.0))
     }
 }
 
@@ -194,8 +194,11 @@ impl Chart {
             @for (part, plot, last) in &placed {
                 @let top = plot.rows()[0];
                 @if !plot.y.title.is_empty() { text class="label" x=(Px(left + 2.0)) y=(Px(top - 10.0)) { (plot.y.title) } }
+                // Spans are behind the grid, all else before it.
+                @let is_span = |layer: &&Layer| matches!(layer, Layer::Spans { .. });
+                @for layer in part.layers.iter().filter(is_span) { (layer.draw(plot)) }
                 (plot.axes(grid, *last))
-                @for layer in &part.layers { (layer.draw(plot)) }
+                @for layer in part.layers.iter().filter(|layer| !is_span(layer)) { (layer.draw(plot)) }
                 @for (note, y) in notes(part, plot) {
                     text class="note" x=(Px(plot.x.range()[1] + 8.0)) y=(Px(y + 4.0)) { (note) }
                 }

@@ -41,13 +41,12 @@ impl Plot {
             |ticks: &[Tick]| -> Vec<Tick> { ticks.iter().filter(|tick| !tick.label.is_empty()).cloned().collect() };
         let (across, up) = (numbered(&self.x.ticks), numbered(&self.y.ticks));
         let long = |tick: &Tick| if tick.label.is_empty() { 2.5 } else { 4.5 };
-        let crosses_zero = |ruler: &Ruler| ruler.domain()[0] < 0.0 && ruler.domain()[1] > 0.0;
         html! {
             path class="grid" d={
                 @for tick in &up { "M" (Px(left)) " " (Px(tick.at)) "H" (Px(right)) }
                 @if upright { @for tick in &across { "M" (Px(tick.at)) " " (Px(top)) "V" (Px(bottom)) } }
             } {}
-            @if crosses_zero(&self.y) {
+            @if self.y.crosses_zero() {
                 @let zero = self.y.at(0.0);
                 path class="zero" d=(svg::path(&[vec![[left, zero], [right, zero]]])) {}
             }

@@ -50,18 +50,25 @@ pub(crate) struct Part {
     pub(crate) values: Vec<Vec<f64>>,
     /// For each series, of what a value is the median: the least, both quartiles and the greatest. May be empty.
     pub(crate) spreads: Vec<Vec<[f64; 4]>>,
+    /// What its axis covers, where that does not follow from the values.
+    pub(crate) covers: Option<[f64; 2]>,
 }
 
 impl Part {
+    /// Shares, from none to all.
+    pub(crate) fn of_shares(values: Vec<Vec<f64>>) -> Self {
+        Self { covers: Some([0.0, 1.0]), ..Self::new(Quantity::new("share", ""), values) }
+    }
+
     pub(crate) fn new(y: Quantity, values: Vec<Vec<f64>>) -> Self {
-        Self { y, values, spreads: Vec::new() }
+        Self { y, values, spreads: Vec::new(), covers: None }
     }
 }
 
 /// Least width of a panel [px], and the most panels side by side.
 const COLUMNS: (f64, usize) = (240.0, 3);
 /// Height of a panel's coordinate systems together with their heads, and of a row of crosses [px].
-const HEIGHT: f64 = 236.0;
+const HEIGHT: f64 = 244.0;
 const ROW: f64 = 14.0;
 
 impl Sweep {
@@ -124,7 +131,9 @@ impl Sweep {
                 joined: self.categories.is_empty(),
             });
         }
-        chart::Part::new(part.y.clone(), HEIGHT / among as f64 - 33.0, layers)
+        let drawn = chart::Part::new(part.y.clone(), HEIGHT / among as f64 - 37.0, layers);
+        let exactly = part.covers.map(|domain| Axis::exactly(part.y.clone(), domain));
+        chart::Part { y: exactly.unwrap_or(drawn.y), ..drawn }
     }
 
     /// Extremes and quartiles of a series: bands along numbers, bars at texts.

@@ -190,7 +190,7 @@ impl<'a> Charts<'a> {
         for (foot, name) in self.run.model.feet.iter().enumerate().take(2) {
             let (class, label) = (side(name), foot_name(name));
             let place = (0..log.len()).filter_map(|index| log.foot(index, foot).nth(axis));
-            lines.push(line(&label, class, &self.times, place));
+            lines.push(line(&label, dashed(class), &self.times, place));
             let reference = format!("{label} reference");
             lines.push(self.line(
                 &reference,

@@ -14,14 +14,14 @@ pub(crate) mod tests;
 
 use legwork::diagnosis;
 use legwork::episode::{Outcome, Run};
-use legwork::scenario::GeneratorKind;
+use legwork::scenario::{GeneratorKind, Push};
 use legwork::scenario_file;
 use maud::{Markup, PreEscaped, html};
 
 use crate::charts::numbers::number;
 use crate::document;
 use crate::{NARROW, WIDE, file_name};
-use figures::Figure;
+use figures::{Figure, plain};
 
 const SCRIPT: &str = include_str!("animation.js");
 
@@ -148,13 +148,18 @@ fn head(run: &Run) -> Markup {
                 span { "slope " b { (scenario.ground.slope_deg) "\u{b0}" } } " "
                 @for push in &scenario.pushes {
                     span {
-                        "push " b { (push.in_words()) } " on " (push.at) " at "
+                        "push " b { (push.in_words()) } " on " (pushed(push)) " at "
                         (push.start_s) " s for " (push.duration_s) " s"
                     } " "
                 }
             }
         }
     }
+}
+
+/// Where a push acts, in words.
+fn pushed(push: &Push) -> String {
+    if push.at == "com" { "the centre of mass".into() } else { plain(&push.at) }
 }
 
 fn drawn(figure: &Figure) -> Markup {

@@ -77,10 +77,11 @@ impl Skeleton {
         let children = children.map(|child| (joints[child], model.bodies[child].placement.translation));
         let contacts = model.contacts.iter().zip(&self.contacts).filter(|(contact, _)| contact.body == body);
         let contacts = contacts.map(|(contact, &point)| (point, contact.position));
-        let far = |(point, place): (usize, Vector3<f64>)| (place.norm() > 1e-3).then_some(point);
-        let mut ends: Vec<usize> = children.chain(contacts).filter_map(far).collect();
+        let carried: Vec<(usize, Vector3<f64>)> = children.chain(contacts).collect();
+        let far = |(point, place): &(usize, Vector3<f64>)| (place.norm() > 1e-3).then_some(*point);
+        let mut ends: Vec<usize> = carried.iter().filter_map(far).collect();
         let tip = tip(&model.bodies[body]);
-        if (ends.is_empty() || body == model.torso) && tip.norm() > 1e-3 {
+        if (carried.is_empty() || body == model.torso) && tip.norm() > 1e-3 {
             ends.push(self.add(body, tip));
         }
         ends
@@ -433,6 +434,17 @@ mod tests {
         assert!(tip(&longer).norm() > 0.9);
         let point = Body { inertia: Matrix3::zeros(), ..body.clone() };
         assert!((tip(&point) - body.com).norm() < 1e-12);
+    }
+
+    #[test]
+    fn only_bodies_that_carry_nothing_and_the_torso_have_ends_of_their_own() {
+        let loaded = legwork::scenario_file::load("exo-sway", &["duration_s=0.002".to_owned()]).expect("built in");
+        let (model, samples) = (loaded.model().expect("a model"), loaded.samples().expect("none"));
+        let run = legwork::episode::run(&loaded.scenario, &model, &samples, |_| false).expect("it runs");
+        let skeleton = Skeleton::new(&run);
+        // The bodies' joints and the contact points come first: what is more is an end.
+        let ends = &skeleton.points[model.bodies.len() + model.contacts.len()..];
+        assert_eq!(ends.iter().map(|(body, _)| *body).collect::<Vec<_>>(), [model.torso]);
     }
 
     #[test]

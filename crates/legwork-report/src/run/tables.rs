@@ -25,7 +25,7 @@ pub(super) fn comparison(run: &Run) -> Markup {
             }
         }
         div.scroll tabindex="0" role="region" aria-label={ "Figures of " (run.scenario.name) } {
-            table.comparison {
+            table class=(if known { "comparison published" } else { "comparison" }) {
                 thead {
                     tr {
                         th rowspan="2" scope="col" { "figure" }

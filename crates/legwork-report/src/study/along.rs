@@ -268,11 +268,12 @@ fn binned(results: &Results, index: usize, bases: &[usize]) -> Sweep {
         })
         .collect();
     let shares = bins.iter().map(|bins| bins.iter().map(|rows| survival(rows)).collect()).collect();
-    let mut panels = vec![Panel { title: SURVIVED.into(), parts: vec![Part::new(Quantity::new("share", ""), shares)] }];
+    let mut panels = vec![Panel { title: SURVIVED.into(), parts: vec![Part::of_shares(shares)] }];
     panels.extend(results.columns.iter().enumerate().map(|(metric, column)| {
         let sorted: Vec<Vec<Vec<f64>>> =
             bins.iter().map(|bins| bins.iter().map(|rows| values(rows, metric)).collect()).collect();
         let part = Part {
+            covers: None,
             y: Quantity::new("median", column.unit),
             values: sorted.iter().map(|bins| bins.iter().map(|values| quantile(values, 0.5)).collect()).collect(),
             spreads: sorted
