@@ -259,7 +259,7 @@ fn model_text(model: &Model) -> String {
         text += "  none\n";
     }
     for warning in model.warnings() {
-        text += &folded(&format!("\nwarning: {warning}"), 2);
+        text += &format!("\n{}", folded(&format!("warning: {warning}"), 2));
     }
     text
 }

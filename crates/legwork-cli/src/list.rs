@@ -94,7 +94,10 @@ fn overview(sections: &[Section]) -> String {
     let mut text = String::new();
     for Section { title, entries } in sections {
         let names: Vec<String> = if *title == "settings" {
-            groups().into_iter().map(|(name, count)| count.map_or(name.to_owned(), |count| format!("{name} ({count})"))).collect()
+            groups()
+                .into_iter()
+                .map(|(name, count)| count.map_or(name.to_owned(), |count| format!("{name} ({count})")))
+                .collect()
         } else {
             entries.iter().map(|(name, _, _)| name.clone()).collect()
         };

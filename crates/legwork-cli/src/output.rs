@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use legwork::error::Error;
 use legwork_report::document::Page;
+use textwrap::{Options, WordSeparator, WordSplitter};
 
 /// Columns of a terminal that everything fits into.
 const WIDTH: usize = 80;
@@ -26,7 +27,7 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
-    fn output(path: impl Into<PathBuf>, problem: impl fmt::Display) -> Self {
+    pub(crate) fn output(path: impl Into<PathBuf>, problem: impl fmt::Display) -> Self {
         Self::Output { path: path.into(), problem: problem.to_string() }
     }
 
@@ -91,20 +92,10 @@ pub(crate) fn say(text: &str) {
 
 /// The text in lines that fit a terminal; all but the first are indented.
 pub(crate) fn folded(text: &str, indent: usize) -> String {
-    let (mut lines, mut column) = (String::new(), 0);
-    for (index, word) in text.split(' ').enumerate() {
-        let width = word.chars().count();
-        if column + 1 + width > WIDTH {
-            lines += &format!("\n{:indent$}", "");
-            column = indent;
-        } else if index > 0 {
-            lines.push(' ');
-            column += 1;
-        }
-        lines += word;
-        column += width;
-    }
-    lines
+    let indent = " ".repeat(indent);
+    let options = Options::new(WIDTH).subsequent_indent(&indent).break_words(false);
+    let options = options.word_splitter(WordSplitter::NoHyphenation).word_separator(WordSeparator::AsciiSpace);
+    textwrap::fill(text, options)
 }
 
 /// Finds out whether a file can be written at `path`, before the work that it is for.

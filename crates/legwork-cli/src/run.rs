@@ -3,11 +3,13 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::{Arc, OnceLock};
 
+use legwork::channel::Columns;
 use legwork::episode::{Episode, Outcome, Parts, Run};
 use legwork::error::Error;
 use legwork::scenario::Scenario;
-use legwork::sink::Sink;
+use legwork::sink::{Hashes, Sink};
 use legwork::{clock, episode, log_file, scenario_file};
 use legwork_rbd::Model;
 use legwork_report::run as report;
@@ -25,11 +27,14 @@ pub(crate) fn run(options: &RunArgs, output: &mut Output) -> Result<ExitCode, Fa
 
     let (mut fell, mut reported, mut printed) = (false, Vec::new(), Ok(()));
     for job in &jobs {
-        let run = job.run()?;
+        let (run, without_log) = job.run()?;
         let text = if options.json { summary::json(&run).to_string() } else { summary::text(&run) };
         printed = output.line(text).and_then(|()| output.flush());
         for violation in run.violations() {
             say(&format!("warning: {}: the simulation broke its own bounds: {violation}", run.scenario.name));
+        }
+        if let (Some(path), Some(error)) = (&job.log, without_log) {
+            return Err(job.without_log(path, error));
         }
         job.write_files(&run, options)?;
         fell |= matches!(run.outcome, Outcome::Fell(_));
@@ -142,39 +147,68 @@ fn check_outputs(options: &RunArgs, jobs: &[Job]) -> Result<(), Failure> {
     Ok(())
 }
 
-impl Job {
-    fn run(&self) -> Result<Run, Error> {
-        let length = (self.scenario.duration_s * 1e3) as u64;
-        let bar = Progress::new(&self.label, length, "{percent} % simulated");
-        let mut parts = Parts { samples: self.samples.clone(), clock: Some(clock::system), ..Parts::default() };
-        let told = |time: f64| {
-            bar.tell((time * 1e3) as u64);
-            interrupted()
-        };
-        let run = match self.log.as_deref().filter(|_| self.streams) {
-            None => episode::run_with(&self.scenario, &self.model, parts, told),
-            Some(path) => log_file::create(&self.written_to(path), &self.scenario.name)
-                .and_then(|sink| {
-                    parts.sink = Some(sink);
-                    episode::run_with(&self.scenario, &self.model, parts, told)
-                })
-                .map_err(|error| self.without_log(path, error)),
-        };
-        bar.finish();
-        run
+/// A log that is written while the run goes on; where it cannot be, the run stops, and what was simulated so far is told all the same.
+#[derive(Debug)]
+struct Streamed {
+    sink: Box<dyn Sink>,
+    failed: Arc<OnceLock<Error>>,
+}
+
+impl Streamed {
+    fn note(&self, done: Result<(), Error>) -> Result<(), Error> {
+        if let Err(error) = done {
+            let _ = self.failed.set(error);
+        }
+        Ok(())
+    }
+}
+
+impl Sink for Streamed {
+    fn record(&mut self, columns: &Columns, values: &[f64]) -> Result<(), Error> {
+        let done = self.sink.record(columns, values);
+        self.note(done)
     }
 
-    /// The error of a run whose log cannot be written to `path`; what is written of it is deleted.
-    fn without_log(&self, path: &Path, error: Error) -> Error {
+    fn finish(&mut self, hashes: &Hashes) -> Result<(), Error> {
+        let done = if self.failed.get().is_none() { self.sink.finish(hashes) } else { Ok(()) };
+        self.note(done)
+    }
+}
+
+impl Job {
+    /// Its run, and why its log could not be written.
+    fn run(&self) -> Result<(Run, Option<Error>), Error> {
+        let length = (self.scenario.duration_s * 1e3) as u64;
+        let failed = Arc::default();
+        let sink = |path: &Path| -> Result<Box<dyn Sink>, Error> {
+            let sink = log_file::create(&self.written_to(path), &self.scenario.name)?;
+            Ok(Box::new(Streamed { sink, failed: Arc::clone(&failed) }))
+        };
+        let log = self.log.as_deref().filter(|_| self.streams);
+        let parts = Parts {
+            samples: self.samples.clone(),
+            clock: Some(clock::system),
+            sink: log.map(sink).transpose()?,
+            ..Parts::default()
+        };
+        let bar = Progress::new(&self.label, length, "{percent} % simulated");
+        let run = episode::run_with(&self.scenario, &self.model, parts, |time| {
+            bar.tell((time * 1e3) as u64);
+            interrupted() || failed.get().is_some()
+        });
+        bar.finish();
+        Ok((run?, Arc::into_inner(failed).and_then(OnceLock::into_inner)))
+    }
+
+    /// The failure of the log at `path`; what is written of it is deleted.
+    fn without_log(&self, path: &Path, error: Error) -> Failure {
         let written = self.written_to(path);
         if written != path {
             let _ = std::fs::remove_file(written);
         }
         match error {
-            Error::Io { problem, .. } => {
-                Error::Io { path: path.to_owned(), problem: format!("cannot be written: {problem}") }
-            }
-            other => other,
+            Error::Io { problem, .. } => Failure::output(path, problem),
+            other => other.into(),
         }
     }
 

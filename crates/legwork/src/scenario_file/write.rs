@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use textwrap::{Options, WordSeparator, WordSplitter};
 use toml::Value;
 
 use crate::scenario::Scenario;
@@ -52,17 +53,9 @@ const WIDTH: usize = 100;
 
 /// A comment in lines of at most [`WIDTH`] columns, where its words allow it.
 fn wrapped(comment: &str) -> String {
-    let (mut text, mut column) = ("#".to_owned(), 1);
-    for word in comment.split(' ') {
-        let width = word.chars().count() + 1;
-        if column > 1 && column + width > WIDTH {
-            text += "\n#";
-            column = 1;
-        }
-        text += &format!(" {word}");
-        column += width;
-    }
-    text + "\n"
+    let options = Options::new(WIDTH).initial_indent("# ").subsequent_indent("# ").break_words(false);
+    let options = options.word_splitter(WordSplitter::NoHyphenation).word_separator(WordSeparator::AsciiSpace);
+    textwrap::fill(comment, options) + "\n"
 }
 
 fn comment(setting: &Setting) -> String {
