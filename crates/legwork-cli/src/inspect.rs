@@ -108,6 +108,10 @@ fn model_json(model: &Model) -> Map<String, Value> {
                 "velocity_limit": finite(dof.velocity_limit),
                 "effort_limit": finite(dof.effort_limit),
                 "damping": dof.damping,
+                "stiffness": dof.stiffness,
+                "rest": dof.rest,
+                "stop_stiffness": dof.stop_stiffness,
+                "stop_damping": dof.stop_damping,
             })
         })
         .collect();
@@ -120,6 +124,18 @@ fn model_json(model: &Model) -> Map<String, Value> {
                 "body": model.bodies[contact.body].name,
                 "foot": model.feet[contact.foot],
                 "position_m": vector(&contact.position),
+            })
+        })
+        .collect();
+    let frames: Vec<Value> = model
+        .frames
+        .iter()
+        .map(|frame| {
+            json!({
+                "name": frame.name,
+                "body": model.bodies[frame.body].name,
+                "position_m": vector(&frame.placement.translation),
+                "rotation": (0..3).map(|i| vector(&frame.placement.rotation.row(i).transpose())).collect::<Vec<_>>(),
             })
         })
         .collect();
@@ -136,6 +152,7 @@ fn model_json(model: &Model) -> Map<String, Value> {
         "bodies": bodies,
         "dofs": dofs,
         "contact_points": contacts,
+        "frames": frames,
         "warnings": model.warnings(),
     });
     match object {
@@ -149,6 +166,8 @@ const DYNAMICS_KEYS: &[&str] = &[
     "mass_matrix",
     "bias",
     "gravity",
+    "damping",
+    "elastic",
     "com",
     "com_velocity",
     "centroidal_momentum_matrix",
@@ -156,6 +175,7 @@ const DYNAMICS_KEYS: &[&str] = &[
     "contacts",
     "kinetic_energy",
     "potential_energy",
+    "elastic_energy",
 ];
 
 fn dynamics_json(model: &Model, state: &State) -> Map<String, Value> {
@@ -183,6 +203,8 @@ fn dynamics_json(model: &Model, state: &State) -> Map<String, Value> {
         matrix(&dynamics.mass_matrix),
         json!(dynamics.bias.as_slice()),
         json!(dynamics.gravity.as_slice()),
+        json!(dynamics.damping.as_slice()),
+        json!(dynamics.elastic.as_slice()),
         json!(project(&dynamics.com)),
         json!(project(&dynamics.com_velocity)),
         matrix(&dynamics.momentum_matrix),
@@ -190,6 +212,7 @@ fn dynamics_json(model: &Model, state: &State) -> Map<String, Value> {
         Value::Array(contacts),
         json!(dynamics.kinetic_energy),
         json!(dynamics.potential_energy),
+        json!(dynamics.elastic_energy),
     ];
     DYNAMICS_KEYS.iter().map(|key| (*key).to_owned()).zip(values).collect()
 }
@@ -244,6 +267,15 @@ fn model_text(model: &Model) -> String {
             dof.damping,
             if dof.actuated { "" } else { "  passive" }
         );
+        if dof.is_elastic() {
+            let unit = if dof.rotational { "Nm/rad" } else { "N/m" };
+            let rest =
+                if dof.rotational { format!("{:.1} deg", dof.rest.to_degrees()) } else { format!("{} m", dof.rest) };
+            let spring =
+                (dof.stiffness != 0.0).then(|| format!("spring of {} {unit}, at rest at {rest}", dof.stiffness));
+            let stops = (dof.stop_stiffness != 0.0).then(|| format!("stops of {} {unit}", dof.stop_stiffness));
+            text += &format!("    {}\n", spring.into_iter().chain(stops).collect::<Vec<_>>().join("; "));
+        }
     }
     text += "\ncontact points\n";
     for contact in &model.contacts {
@@ -257,6 +289,14 @@ fn model_text(model: &Model) -> String {
     }
     if model.contacts.is_empty() {
         text += "  none\n";
+    }
+    if !model.frames.is_empty() {
+        text += "\nframes\n";
+    }
+    for frame in &model.frames {
+        let p = frame.placement.translation;
+        text +=
+            &format!("  {:<22} on {} at ({}, {}, {}) m\n", frame.name, model.bodies[frame.body].name, p.x, p.y, p.z);
     }
     for warning in model.warnings() {
         text += &format!("\n{}", folded(&format!("warning: {warning}"), 2));

@@ -57,7 +57,7 @@ pub enum Field {
     Program,
     /// Sweeps of the contact solver and its residual [N] in the last step.
     Contact,
-    /// Kinetic and potential energy [J].
+    /// Kinetic and potential energy [J]; where joints have springs or stops, also what those store.
     Energy,
     /// Error of the physics' energy balance so far [J].
     EnergyError,

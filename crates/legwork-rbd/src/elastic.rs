@@ -19,11 +19,20 @@ impl Dof {
     }
 }
 
+impl Model {
+    /// Whether a spring or a stop acts on any joint.
+    #[inline]
+    #[must_use]
+    pub fn is_elastic(&self) -> bool {
+        self.dofs.iter().any(Dof::is_elastic)
+    }
+}
+
 impl Dynamics {
     /// Fills `elastic` and `elastic_energy`.
     pub(crate) fn springs(&mut self, model: &Model, q: &[f64]) {
         self.elastic_energy = 0.0;
-        let was_elastic = std::mem::replace(&mut self.is_elastic, model.dofs.iter().any(Dof::is_elastic));
+        let was_elastic = std::mem::replace(&mut self.is_elastic, model.is_elastic());
         if !self.is_elastic && !was_elastic {
             return;
         }

@@ -25,6 +25,8 @@ pub(crate) fn channels(model: &Model, controller: &dyn Controller, plant: &dyn P
         (format!("q.{name}"), unit)
     });
     let touching = model.contacts.iter().map(|contact| (format!("touching.{}", contact.name), ""));
+    let energies =
+        ["energy.kinetic", "energy.potential"].into_iter().chain(model.is_elastic().then_some("energy.elastic"));
     let mut channels = [
         Channel::all(Field::Time, [("t", "s")]),
         Channel::all(Field::Q, positions),
@@ -35,7 +37,7 @@ pub(crate) fn channels(model: &Model, controller: &dyn Controller, plant: &dyn P
         Channel::all(Field::Torso, [("torso", "rad"), ("torso_velocity", "rad/s")]),
         Channel::all(Field::Feet, names::contacts(model, "foot", "m")),
         Channel::all(Field::Touching, touching),
-        Channel::all(Field::Energy, [("energy.kinetic", "J"), ("energy.potential", "J")]),
+        Channel::all(Field::Energy, energies.map(|name| (name, "J"))),
         controller.channels(),
         plant.channels(),
     ]
@@ -78,7 +80,8 @@ pub(crate) fn state(record: &mut Record<'_>, model: &Model, truth: &Sensed, dyna
     record.set(Field::Torso, [dynamics.torso_angle(model), sign * turning]);
     record.set(Field::Feet, dynamics.contact_positions.iter().flat_map(|point| along(model, *point)));
     record.set(Field::Touching, truth.contacts.iter().map(|contact| f64::from(u8::from(contact.touching))));
-    record.set(Field::Energy, [dynamics.kinetic_energy, dynamics.potential_energy]);
+    let elastic = model.is_elastic().then_some(dynamics.elastic_energy);
+    record.set(Field::Energy, [dynamics.kinetic_energy, dynamics.potential_energy].into_iter().chain(elastic));
 }
 
 /// Writes a reference down. All of a record's feet are the middles of their contact points, also where the reference is of the

@@ -26,6 +26,8 @@ contacts = [
     { name = "right_toe", body = "right_leg", position_m = [0.1, 0.0, -0.4] },
     { name = "left_toe", body = "left_leg", position_m = [0.1, 0.0, -0.4] },
 ]
+joints.left_slide = { spring_npm = 300.0, rest_m = 0.01 }
+frames = [{ name = "handle", body = "trunk", position_m = [0.0, 0.2, 0.3] }]
 "#;
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -69,6 +71,8 @@ fn check(object: &Value, model: &Model, q: &[f64], v: &[f64]) {
     close("M", &mass_matrix.concat(), &transposed(&dynamics.mass_matrix));
     close("h", &numbers(&object["bias"]), dynamics.bias.as_slice());
     close("G", &numbers(&object["gravity"]), dynamics.gravity.as_slice());
+    close("damping", &numbers(&object["damping"]), dynamics.damping.as_slice());
+    close("elastic", &numbers(&object["elastic"]), dynamics.elastic.as_slice());
     close("CoM", &numbers(&object["com"]), &along(&dynamics.com));
     close("A", &momentum_matrix.concat(), &transposed(&dynamics.momentum_matrix));
     close("dA v", &numbers(&object["centroidal_bias"]), dynamics.momentum_bias.as_slice());
@@ -111,7 +115,8 @@ fn the_planar_humanoid() {
     assert_eq!(object["q_names"][3], "right_knee");
     let knee = json!({
         "name": "right_knee", "actuated": true, "rotational": true, "lower": 10f64.to_radians(), "upper": 175f64.to_radians(),
-        "velocity_limit": null, "effort_limit": null, "damping": 0.0,
+        "velocity_limit": null, "effort_limit": null, "damping": 0.0, "stiffness": 0.0, "rest": 0.0, "stop_stiffness": 0.0,
+        "stop_damping": 0.0,
     });
     assert_eq!(object["dofs"][3], knee);
     assert_eq!((&object["base"], &object["torso"]), (&json!("planar"), &json!("torso")));
@@ -135,6 +140,12 @@ fn a_floating_urdf() {
     assert_eq!(parents, [&Value::Null, &json!("trunk"), &json!("trunk")]);
     assert_eq!(object["bodies"][1]["joint_type"], "revolute");
     assert_eq!(object["dofs"][6]["effort_limit"], 100.0);
+    close("spring", &numbers(&object["elastic"]), &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 300.0 * 0.04]);
+    close("energy of the spring", &numbers(&object["elastic_energy"]), &[0.5 * 300.0 * 0.04 * 0.04]);
+    assert_eq!((&object["frames"][0]["name"], &object["frames"][0]["body"]), (&json!("handle"), &json!("trunk")));
+    let text = folder.legwork(&["inspect", "robot.urdf"]).succeeds().out;
+    assert!(text.contains("spring of 300 N/m, at rest at 0.01 m"), "{text}");
+    assert!(text.contains("handle") && text.contains("on trunk at (0, 0.2, 0.3) m"), "{text}");
 }
 
 #[test]
