@@ -149,6 +149,12 @@ fn the_controller_stands_on_passive_joints_with_springs() {
     assert_eq!((run.program.infeasible, run.violations()), (0, vec![]));
     let error = run.metrics.com_error_m.expect("it ran long enough");
     assert!(error.peak < 0.005, "{error:?}");
+    // What the springs store is in the log.
+    let elastic = run.log.columns().iter().position(|channel| channel.name == "energy.elastic").expect("a channel");
+    let q = run.log.get(0, Field::Q);
+    let stored = |dof: &legwork_rbd::Dof| 0.5 * dof.stiffness * (q[model.bodies[dof.body].q_index] - dof.rest).powi(2);
+    let stored: f64 = model.dofs.iter().filter(|dof| dof.stiffness > 0.0).map(stored).sum();
+    assert!(stored > 1.0 && (run.log.record(0)[elastic] - stored).abs() < 1e-12, "{stored} J");
     // What the program expects of the ground is what the ground gives. An ankle's spring of 6 Nm leans on its foot's edges,
     // 6 cm from the middle: a program that did not know it would expect another moment.
     let roll = |foot: &[f64]| 0.06 * (foot[5] + foot[11] - foot[2] - foot[8]);
