@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use legwork::Robot;
 use legwork::error::Error;
 use legwork::library;
 use legwork_rbd::{Base, Dynamics, Joint, Model};
@@ -78,7 +79,7 @@ fn read_state(path: &Path, model: &Model) -> Result<State, Error> {
     Ok(state)
 }
 
-fn model_json(model: &Model) -> Map<String, Value> {
+fn model_json(model: &Robot) -> Map<String, Value> {
     let finite = |value: f64| value.is_finite().then_some(value);
     let bodies: Vec<Value> = model
         .bodies
@@ -118,11 +119,12 @@ fn model_json(model: &Model) -> Map<String, Value> {
     let contacts: Vec<Value> = model
         .contacts
         .iter()
-        .map(|contact| {
+        .zip(&model.foot_of)
+        .map(|(contact, &foot)| {
             json!({
                 "name": contact.name,
                 "body": model.bodies[contact.body].name,
-                "foot": model.feet[contact.foot],
+                "foot": model.feet[foot],
                 "position_m": vector(&contact.position),
             })
         })
@@ -232,7 +234,7 @@ fn row_names<'a>(kind: &'a str, axes: &'a [Vector3<f64>]) -> impl Iterator<Item 
     })
 }
 
-fn model_text(model: &Model) -> String {
+fn model_text(model: &Robot) -> String {
     let headline = format!(
         "{}: {} base, {} degrees of freedom ({} actuated), {:.3} kg, gravity {} m/s²",
         model.name,
@@ -278,13 +280,11 @@ fn model_text(model: &Model) -> String {
         }
     }
     text += "\ncontact points\n";
-    for contact in &model.contacts {
+    for (contact, &foot) in model.contacts.iter().zip(&model.foot_of) {
         let p = contact.position;
         let body = &model.bodies[contact.body].name;
-        let line = format!(
-            "  {:<22} on {body} at ({}, {}, {}) m, foot {}",
-            contact.name, p.x, p.y, p.z, model.feet[contact.foot]
-        );
+        let line =
+            format!("  {:<22} on {body} at ({}, {}, {}) m, foot {}", contact.name, p.x, p.y, p.z, model.feet[foot]);
         text += &(folded(&line, 25) + "\n");
     }
     if model.contacts.is_empty() {

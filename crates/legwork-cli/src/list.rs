@@ -1,5 +1,6 @@
 //! `legwork list` and `legwork show`: what there is and what can be set.
 
+use legwork::Robot;
 use legwork::error::Error;
 use legwork::metrics::{JOINT_METRICS, METRICS, Metric};
 use legwork::scenario::Scenario;
@@ -24,7 +25,7 @@ pub(crate) fn list(options: &ListArgs, output: &mut Output) -> Result<(), Failur
     let mut sections = Vec::new();
     if wanted(Listing::Models) {
         let models = library::model_names().map(builtin_model).collect::<Result<Vec<_>, _>>()?;
-        let entry = |m: &Model| (m.name.clone(), model_line(m), model_json(m));
+        let entry = |m: &Robot| (m.name.clone(), model_line(m), model_json(m));
         sections.push(Section { title: "models", entries: models.iter().map(entry).collect() });
     }
     if wanted(Listing::Scenarios) {
@@ -123,7 +124,7 @@ fn groups() -> Vec<(&'static str, Option<usize>)> {
     tables.flat_map(group).collect()
 }
 
-fn builtin_model(name: &str) -> Result<Model, legwork::error::Error> {
+fn builtin_model(name: &str) -> Result<Robot, legwork::error::Error> {
     library::load_model(name, None)
 }
 

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::{Arc, OnceLock};
 
+use legwork::Robot;
 use legwork::channel::Columns;
 use legwork::episode::{Episode, Outcome, Parts, Run};
 use legwork::error::Error;
 use legwork::scenario::Scenario;
 use legwork::sink::{Hashes, Sink};
 use legwork::{clock, episode, log_file, scenario_file};
-use legwork_rbd::Model;
 use legwork_report::run as report;
 
 use crate::args::RunArgs;
@@ -63,7 +63,7 @@ pub(crate) fn run(options: &RunArgs, output: &mut Output) -> Result<ExitCode, Fa
 /// A scenario with all that it names.
 struct Job {
     scenario: Scenario,
-    model: Model,
+    model: Robot,
     samples: Vec<[f64; 3]>,
     /// Its name, made different from those of the other jobs.
     label: String,

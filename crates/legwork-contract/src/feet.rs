@@ -8,6 +8,8 @@ use std::ops::Range;
 use legwork_rbd::{Dynamics, Model};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
+use crate::robot::Robot;
+
 /// The rows of one foot.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FootRows {
@@ -18,26 +20,25 @@ pub struct FootRows {
 }
 
 impl FootRows {
-    /// The rows of each foot of `model`.
-    pub fn of(model: &Model) -> Vec<Self> {
-        let (axes, linear) = (model.angular_axes().len(), model.linear_axes().len());
+    /// The rows of each foot of `robot`.
+    pub fn of(robot: &Robot) -> Vec<Self> {
+        let (axes, linear) = (robot.angular_axes().len(), robot.linear_axes().len());
         let mut next = 0;
         let mut take = |size: usize| {
             next += size;
             next - size..next
         };
-        (0..model.feet.len())
+        (0..robot.feet.len())
             .map(|foot| {
-                let points = model.contacts.iter().filter(|contact| contact.foot == foot).count();
-                let angular = take(if points > 1 { axes } else { 0 });
+                let angular = take(if robot.points_of(foot).count() > 1 { axes } else { 0 });
                 Self { angular, linear: take(linear) }
             })
             .collect()
     }
 
-    /// How many rows all feet of `model` have.
-    pub fn count(model: &Model) -> usize {
-        Self::of(model).last().map_or(0, |rows| rows.linear.end)
+    /// How many rows all feet of `robot` have.
+    pub fn count(robot: &Robot) -> usize {
+        Self::of(robot).last().map_or(0, |rows| rows.linear.end)
     }
 }
 
@@ -79,9 +80,9 @@ pub struct Sole {
 }
 
 impl Sole {
-    /// The sole of the feet of `model`, that of its first foot.
-    pub fn of(model: &Model) -> Self {
-        let points = || model.contacts.iter().filter(|contact| contact.foot == 0).map(|contact| contact.position);
+    /// The sole of the feet of `robot`, that of its first foot.
+    pub fn of(robot: &Robot) -> Self {
+        let points = || robot.points_of(0).map(|point| robot.contacts[point].position);
         Self {
             heel: points().map(|point| point.x).fold(f64::INFINITY, f64::min),
             toe: points().map(|point| point.x).fold(f64::NEG_INFINITY, f64::max),
@@ -136,29 +137,28 @@ pub struct FeetMotion {
 }
 
 impl FeetMotion {
-    /// Storage for `model`.
-    pub fn new(model: &Model) -> Self {
+    /// Storage for `robot`.
+    pub fn new(robot: &Robot) -> Self {
         let foot = |(index, rows): (usize, FootRows)| {
-            let contacts: Vec<usize> =
-                (0..model.contacts.len()).filter(|&contact| model.contacts[contact].foot == index).collect();
-            let place = |&contact: &usize| model.contacts[contact].position.x;
+            let contacts: Vec<usize> = robot.points_of(index).collect();
+            let place = |&contact: &usize| robot.contacts[contact].position.x;
             let ends = [-1.0, 1.0].map(|side| {
                 let far = contacts.iter().map(|contact| side * place(contact)).fold(f64::NEG_INFINITY, f64::max);
                 contacts.iter().copied().filter(|contact| side * place(contact) > far - 1e-3).collect()
             });
-            Foot { body: contacts.first().map_or(0, |&contact| model.contacts[contact].body), contacts, ends, rows }
+            Foot { body: contacts.first().map_or(0, |&contact| robot.contacts[contact].body), contacts, ends, rows }
         };
-        let feet: Vec<Foot> = FootRows::of(model).into_iter().enumerate().map(foot).collect();
-        let (count, rows) = (feet.len(), FootRows::count(model));
+        let feet: Vec<Foot> = FootRows::of(robot).into_iter().enumerate().map(foot).collect();
+        let (count, rows) = (feet.len(), FootRows::count(robot));
         Self {
             feet,
             position: vec![Vector3::zeros(); count],
             velocity: vec![Vector3::zeros(); count],
             rotation: vec![Matrix3::identity(); count],
             angular_velocity: vec![Vector3::zeros(); count],
-            jacobian: DMatrix::zeros(rows, model.nv()),
+            jacobian: DMatrix::zeros(rows, robot.nv()),
             bias: DVector::zeros(rows),
-            angular: DMatrix::zeros(model.angular_axes().len(), model.nv()),
+            angular: DMatrix::zeros(robot.angular_axes().len(), robot.nv()),
         }
     }
 

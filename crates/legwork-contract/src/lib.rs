@@ -1,6 +1,6 @@
 //! What a controller and a physics share, and all that they share: what is sensed and what is commanded ([`contract`]),
-//! what each writes down ([`channel`], [`names`]), the ground ([`terrain`], [`contact`]), the feet that stand on it ([`feet`]), and what
-//! is wrong with an input ([`error`]).
+//! what each writes down ([`channel`], [`names`]), the robot ([`robot`]), the ground ([`terrain`], [`contact`]), the feet
+//! that stand on it ([`feet`]), and what is wrong with an input ([`error`]).
 
 pub mod channel;
 pub mod contact;
@@ -8,4 +8,5 @@ pub mod contract;
 pub mod error;
 pub mod feet;
 pub mod names;
+pub mod robot;
 pub mod terrain;

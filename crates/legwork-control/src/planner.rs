@@ -1,6 +1,6 @@
 //! The motion reference planner (thesis 4.3.2): from references to a goal for each task, by the task's own law.
 
-use legwork_rbd::Model;
+use legwork_contract::robot::Robot;
 
 use crate::momentum::tasks::{Aim, Seen, laws};
 use crate::settings::ControllerSettings;
@@ -13,7 +13,7 @@ pub struct MotionReferencePlanner {
 
 impl MotionReferencePlanner {
     /// A planner for `model`, of the tasks that `settings` ask for.
-    pub fn new(settings: &ControllerSettings, model: &Model) -> Self {
+    pub fn new(settings: &ControllerSettings, model: &Robot) -> Self {
         Self { aims: laws(settings, model).into_iter().map(|law| Aim::new(law, model)).collect() }
     }
 

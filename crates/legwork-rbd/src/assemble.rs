@@ -1,4 +1,4 @@
-//! Puts a [`Model`] together: the base's own joints, indices, contact points, torso, frames.
+//! Puts a [`Model`] together: the base's own joints, indices, contact points, frames.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -18,8 +18,6 @@ impl Description {
             dofs: Vec::new(),
             contacts: Vec::new(),
             frames: Vec::new(),
-            feet: Vec::new(),
-            torso: 0,
             warnings: Vec::new(),
         };
         let mut base = self.base.joints();
@@ -57,12 +55,6 @@ impl Description {
     }
 
     pub(crate) fn add_contacts(&self, model: &mut Model) -> Result<(), ModelError> {
-        model.feet = self.feet.clone().unwrap_or_default();
-        for (i, foot) in model.feet.iter().enumerate() {
-            if model.feet[..i].contains(foot) {
-                return Err(self.invalid_beside(None, "feet", format!("{foot:?} is given twice")));
-            }
-        }
         for (i, contact) in self.contacts.iter().enumerate() {
             let subject = format!("contact {:?}", contact.name);
             if self.contacts[..i].iter().any(|other| other.name == contact.name) {
@@ -70,29 +62,8 @@ impl Description {
                 return Err(self.invalid_beside(contact.line, subject, problem));
             }
             let body = self.body(model, &contact.body, contact.line, &subject)?;
-            let foot = model.feet.iter().position(|foot| *foot == contact.foot);
-            if foot.is_none() && self.feet.is_some() {
-                let problem = format!("unknown foot {:?}; valid are {}", contact.foot, model.feet.join(", "));
-                return Err(self.invalid_beside(contact.line, subject, problem));
-            }
-            let foot = foot.unwrap_or_else(|| {
-                model.feet.push(contact.foot.clone());
-                model.feet.len() - 1
-            });
-            model.contacts.push(ContactPoint { name: contact.name.clone(), body, position: contact.position, foot });
+            model.contacts.push(ContactPoint { name: contact.name.clone(), body, position: contact.position });
         }
-        if let Some(foot) = (0..model.feet.len()).find(|&f| model.contacts.iter().all(|c| c.foot != f)) {
-            let problem = format!("{:?} has no contact point", model.feet[foot]);
-            return Err(self.invalid_beside(None, "feet", problem));
-        }
-        Ok(())
-    }
-
-    pub(crate) fn add_torso(&self, model: &mut Model) -> Result<(), ModelError> {
-        model.torso = match &self.torso {
-            None => model.root(),
-            Some(name) => self.body(model, name, None, "torso")?,
-        };
         Ok(())
     }
 

@@ -241,13 +241,6 @@ pub(crate) fn oddities(model: &Model) -> Vec<String> {
             ));
         }
     }
-    for (index, foot) in model.feet.iter().enumerate() {
-        let mut bodies = model.contacts.iter().filter(|c| c.foot == index).map(|c| c.body);
-        let first = bodies.next();
-        if bodies.any(|body| Some(body) != first) {
-            odd.push(format!("the contact points of {foot:?} are on different bodies"));
-        }
-    }
     odd
 }
 

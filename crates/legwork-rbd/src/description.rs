@@ -7,6 +7,7 @@ use crate::check::oddities;
 use crate::error::ModelError;
 use crate::joints::Joint;
 use crate::model::{Dof, Model};
+use crate::roles::Roles;
 use crate::spatial::Placement;
 
 /// What a file says, in SI units, before any check across entries.
@@ -15,16 +16,14 @@ pub(crate) struct Description {
     pub(crate) name: String,
     pub(crate) base: Base,
     pub(crate) gravity: f64,
-    pub(crate) torso: Option<String>,
     /// Of a planar base.
     pub(crate) pitch_limits: (f64, f64),
-    pub(crate) feet: Option<Vec<String>>,
     pub(crate) bodies: Vec<BodyDescription>,
     pub(crate) contacts: Vec<ContactDescription>,
     pub(crate) frames: Vec<FrameDescription>,
     pub(crate) warnings: Vec<String>,
-    /// Where torso, contacts, feet and frames come from: the file itself, or the one beside a URDF.
-    pub(crate) side_file: String,
+    /// Those of the contact points are not in it yet. Its file is the one that contacts and frames come from.
+    pub(crate) roles: Roles,
 }
 
 pub(crate) struct BodyDescription {
@@ -50,7 +49,7 @@ pub(crate) struct ContactDescription {
     pub(crate) name: String,
     pub(crate) body: String,
     pub(crate) position: Vector3<f64>,
-    pub(crate) foot: String,
+    pub(crate) foot: Option<String>,
     pub(crate) line: Option<usize>,
 }
 
@@ -77,11 +76,11 @@ impl Description {
         subject: impl Into<String>,
         problem: String,
     ) -> ModelError {
-        ModelError::Invalid { file: self.side_file.clone(), line, subject: subject.into(), problem }
+        ModelError::Invalid { file: self.roles.file.clone(), line, subject: subject.into(), problem }
     }
 
     /// Checks everything and assembles the model.
-    pub(crate) fn build(mut self) -> Result<Model, ModelError> {
+    pub(crate) fn build(mut self) -> Result<(Model, Roles), ModelError> {
         if !(self.gravity.is_finite() && self.gravity >= 0.0) {
             let problem = format!("{}; it must be finite and not negative (9.81 on Earth)", self.gravity);
             return Err(self.invalid_beside(None, "gravity_mps2", problem));
@@ -94,12 +93,12 @@ impl Description {
         let mut model = self.assemble(&order);
         self.check_motion(&model)?;
         self.add_contacts(&mut model)?;
-        self.add_torso(&mut model)?;
         self.add_frames(&mut model)?;
         let mut warnings = std::mem::take(&mut self.warnings);
         warnings.extend(oddities(&model));
         model.warnings = warnings;
-        Ok(model)
+        (self.roles.foot, self.roles.lines) = self.contacts.into_iter().map(|point| (point.foot, point.line)).unzip();
+        Ok((model, self.roles))
     }
 
     pub(crate) fn known_bodies(&self) -> String {

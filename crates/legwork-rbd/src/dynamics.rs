@@ -43,10 +43,6 @@ pub struct Dynamics {
     pub contact_jacobian: DMatrix<f64>,
     /// J̇ v (d nc) [m/s²].
     pub contact_bias: DVector<f64>,
-    /// The torso's angular velocity in v (angular axes × nv).
-    pub torso_jacobian: DMatrix<f64>,
-    /// Its J̇ v (angular axes) [rad/s²].
-    pub torso_bias: DVector<f64>,
     /// Poses of the bodies' frames in the world.
     pub world_from_body: Vec<Placement>,
     /// Velocities of the bodies: angular, and linear at the body's origin.
@@ -79,10 +75,6 @@ pub struct Dynamics {
     pub(crate) parent_dof: Vec<usize>,
     /// For each body the outermost velocity coordinate that moves it.
     pub(crate) last_dof: Vec<usize>,
-    /// The torso's coordinates in the plane, with the sign of their axes against −y.
-    torso_chain: Vec<(usize, f64)>,
-    /// The sum of their angles.
-    torso_turn: f64,
 }
 
 impl Dynamics {
@@ -92,7 +84,6 @@ impl Dynamics {
         let (nv, nc, nb) = (model.nv(), model.nc(), model.bodies.len());
         let (d, angular) = (model.linear_axes().len(), model.angular_axes().len());
         let (parent_dof, last_dof) = chains(model);
-        let torso_chain = planar_chain(model, model.torso, &parent_dof, &last_dof);
         Self {
             mass_matrix: DMatrix::zeros(nv, nv),
             bias: DVector::zeros(nv),
@@ -108,8 +99,6 @@ impl Dynamics {
             contact_velocities: vec![Vector3::zeros(); nc],
             contact_jacobian: DMatrix::zeros(d * nc, nv),
             contact_bias: DVector::zeros(d * nc),
-            torso_jacobian: DMatrix::zeros(angular, nv),
-            torso_bias: DVector::zeros(angular),
             world_from_body: vec![Placement::identity(); nb],
             body_velocity: vec![Motion::zero(); nb],
             kinetic_energy: 0.0,
@@ -129,8 +118,6 @@ impl Dynamics {
             stop_force: vec![0.0; nv],
             parent_dof,
             last_dof,
-            torso_chain,
-            torso_turn: 0.0,
         }
     }
 
@@ -144,7 +131,6 @@ impl Dynamics {
         self.update_bias(model, v);
         self.centroidal(model);
         self.contacts(model);
-        self.torso(model, q);
     }
 
     /// The first stage of [`Dynamics::update`]: only what the position `q` (nq) decides and an equation of motion needs,
@@ -177,19 +163,6 @@ impl Dynamics {
         self.velocities(model, v);
         self.forces(model);
         self.generalised_forces(model, v);
-    }
-
-    /// The torso's posture [rad]: by how much it is turned from its orientation at the zero position.
-    ///
-    /// In the plane the angle about −y, as the sum of the joint angles that lead to the torso, hence without jumps at
-    /// ±π. Otherwise the elevation of the torso's x axis above the horizontal, from −π/2 to π/2.
-    #[must_use]
-    pub fn torso_angle(&self, model: &Model) -> f64 {
-        if model.is_planar() {
-            return self.torso_turn;
-        }
-        let x = self.world_from_body[model.torso].rotation.column(0).into_owned();
-        libm::atan2(x.z, libm::hypot(x.x, x.y))
     }
 
     /// What the joints bear by themselves at coordinate `j` [Nm or N]: bias, damping and elastic force.
@@ -241,21 +214,6 @@ impl Dynamics {
             }
         }
     }
-
-    fn torso(&mut self, model: &Model, q: &[f64]) {
-        self.torso_turn = self.torso_chain.iter().map(|&(index, sign)| sign * q[index]).sum();
-        let axes = model.angular_axes();
-        let mut j = self.last_dof[model.torso];
-        while j != NONE {
-            for (r, axis) in axes.iter().enumerate() {
-                self.torso_jacobian[(r, j)] = axis.dot(&self.subspace[j].angular);
-            }
-            j = self.parent_dof[j];
-        }
-        for (r, axis) in axes.iter().enumerate() {
-            self.torso_bias[r] = axis.dot(&self.acceleration[model.torso].angular);
-        }
-    }
 }
 
 /// Featherstone 2008, Section 6.6: the tree of velocity coordinates, with several to a joint.
@@ -271,29 +229,4 @@ fn chains(model: &Model) -> (Vec<usize>, Vec<usize>) {
         last_dof[i] = last;
     }
     (parent_dof, last_dof)
-}
-
-/// The rotational coordinates from the base to `body` of a planar model, each with +1 if it turns about −y, −1 about +y.
-fn planar_chain(model: &Model, body: usize, parent_dof: &[usize], last_dof: &[usize]) -> Vec<(usize, f64)> {
-    let mut chain = Vec::new();
-    if !model.is_planar() {
-        return chain;
-    }
-    // World orientations at the zero position; revolute joints keep y, so they hold for the axes at any position.
-    let mut rotations: Vec<nalgebra::Matrix3<f64>> = Vec::with_capacity(model.bodies.len());
-    for body in &model.bodies {
-        let parent = body.parent.map_or_else(nalgebra::Matrix3::identity, |parent| rotations[parent]);
-        rotations.push(parent * body.placement.rotation);
-    }
-    let mut j = last_dof[body];
-    while j != NONE {
-        let mover = &model.bodies[model.dofs[j].body];
-        if let Some(axis) = mover.joint.axis().filter(|_| model.dofs[j].rotational) {
-            let axis_world = rotations[model.dofs[j].body] * axis.as_ref();
-            chain.push((mover.q_index, -axis_world.y.signum()));
-        }
-        j = parent_dof[j];
-    }
-    chain.reverse();
-    chain
 }

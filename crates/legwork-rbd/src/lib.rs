@@ -10,7 +10,6 @@
 //! let text = r#"
 //!     name = "pendulum"
 //!     base = "fixed"
-//!     torso = "rod"
 //!     [[bodies]]
 //!     name = "stand"
 //!     [[bodies]]
@@ -64,6 +63,7 @@ mod model;
 mod model_file;
 mod read;
 mod read_toml;
+mod roles;
 mod spatial;
 mod table;
 mod urdf;
@@ -78,4 +78,5 @@ pub use frame::Frame;
 pub use inverse_dynamics::InverseDynamics;
 pub use joints::{Fixed, Floating, Joint, Prismatic, Revolute};
 pub use model::{Body, ContactPoint, Dof, Model};
+pub use roles::Roles;
 pub use spatial::{Force, Inertia, Motion, Placement};

@@ -93,8 +93,6 @@ pub struct ContactPoint {
     pub body: usize,
     /// In the body frame [m].
     pub position: Vector3<f64>,
-    /// The foot it belongs to, in [`Model::feet`].
-    pub foot: usize,
 }
 
 /// A robot. Made by [`Model::load`], [`Model::from_toml`] or [`Model::from_urdf`], which check it.
@@ -117,10 +115,6 @@ pub struct Model {
     pub contacts: Vec<ContactPoint>,
     /// Named places on bodies, in the order of the file. [`Model::frame`] finds them by name, and bodies too.
     pub frames: Vec<Frame>,
-    /// The feet's names, right before left in the project's own models.
-    pub feet: Vec<String>,
-    /// The body whose orientation is the robot's posture, in [`Model::bodies`].
-    pub torso: usize,
     pub(crate) warnings: Vec<String>,
 }
 

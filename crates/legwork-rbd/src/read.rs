@@ -9,6 +9,7 @@ use crate::base::Base;
 use crate::error::ModelError;
 use crate::model::Model;
 use crate::read_toml::read_toml;
+use crate::roles::Roles;
 use crate::urdf::read_urdf;
 
 impl Model {
@@ -26,6 +27,14 @@ impl Model {
     /// # Errors
     /// As [`Model::load`].
     pub fn load_with_base(path: &Path, base: Option<Base>) -> Result<Model, ModelError> {
+        Self::load_with_roles(path, base).map(|(model, _)| model)
+    }
+
+    /// As [`Model::load_with_base`], with what else the file says.
+    ///
+    /// # Errors
+    /// As [`Model::load`].
+    pub fn load_with_roles(path: &Path, base: Option<Base>) -> Result<(Model, Roles), ModelError> {
         let file = path.display().to_string();
         let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase();
         match extension.as_str() {
@@ -55,15 +64,23 @@ impl Model {
     /// # Errors
     /// As [`Model::from_toml`].
     pub fn from_toml_with_base(text: &str, file_name: &str, base: Option<Base>) -> Result<Model, ModelError> {
-        read_toml(text, file_name, base)
+        Self::from_toml_with_roles(text, file_name, base).map(|(model, _)| model)
+    }
+
+    /// As [`Model::from_toml_with_base`], with what else the text says.
+    ///
+    /// # Errors
+    /// As [`Model::from_toml`].
+    pub fn from_toml_with_roles(text: &str, file: &str, base: Option<Base>) -> Result<(Model, Roles), ModelError> {
+        read_toml(text, file, base)
     }
 
     /// Reads a model from URDF, with what URDF cannot say from the TOML text `sidecar` (text, name).
     ///
-    /// The side file's keys are all optional: `base` ("floating" if not given; the argument `base` overrides it), `torso`
-    /// (the root link), `gravity_mps2` (9.81), `base_pitch` (limits, planar base), `contacts`, `frames` and `feet` as in a TOML
-    /// model, either `actuated` or `passive`, a list of joints (every joint that moves is actuated), and `joints`, a table for
-    /// each joint to which it gives limits, a damper, a spring or stops by the keys of a TOML model:
+    /// The side file's keys are all optional: `base` ("floating" if not given; the argument `base` overrides it),
+    /// `gravity_mps2` (9.81), `base_pitch` (limits, planar base), `contacts`, `frames` and the [`Roles`] `torso` and `feet` as in
+    /// a TOML model, either `actuated` or `passive`, a list of joints (every joint that moves is actuated), and `joints`, a
+    /// table for each joint to which it gives limits, a damper, a spring or stops by the keys of a TOML model:
     /// `joints.left_ankle = { spring_nmpr = 200.0, rest_deg = 5.0 }`.
     ///
     /// Fixed joints are kept, as bodies that are rigidly attached. Continuous joints are revolute ones without limits. Meshes
@@ -79,6 +96,19 @@ impl Model {
         sidecar: Option<(&str, &str)>,
         base: Option<Base>,
     ) -> Result<Model, ModelError> {
+        Self::from_urdf_with_roles(text, file_name, sidecar, base).map(|(model, _)| model)
+    }
+
+    /// As [`Model::from_urdf`], with what else the texts say.
+    ///
+    /// # Errors
+    /// As [`Model::from_urdf`].
+    pub fn from_urdf_with_roles(
+        text: &str,
+        file_name: &str,
+        sidecar: Option<(&str, &str)>,
+        base: Option<Base>,
+    ) -> Result<(Model, Roles), ModelError> {
         read_urdf(text, file_name, sidecar, base)
     }
 }

@@ -10,11 +10,12 @@ use crate::joints::{Fixed, Form, Joint, Key, Kind, Revolute};
 use crate::model::{Dof, Model};
 use crate::model_file::{BodyEntry, ContactEntry, FrameEntry, GRAVITY, InertiaEntry, ModelFile};
 use crate::read::{Source, unit_axis};
+use crate::roles::Roles;
 use crate::spatial::{Placement, rotation_from_rpy};
 use crate::table::Table;
 
 /// Reads a model; `base` overrides the file's own.
-pub(crate) fn read_toml(text: &str, file_name: &str, base: Option<Base>) -> Result<Model, ModelError> {
+pub(crate) fn read_toml(text: &str, file_name: &str, base: Option<Base>) -> Result<(Model, Roles), ModelError> {
     let source = Source::new(file_name, text);
     let file: ModelFile = source.parse_toml("a model: name, base and bodies")?;
     if file.base_pitch.is_some() && file.base != Base::Planar {
@@ -32,14 +33,12 @@ pub(crate) fn read_toml(text: &str, file_name: &str, base: Option<Base>) -> Resu
         name: file.name,
         base,
         gravity: file.gravity_mps2.unwrap_or(GRAVITY),
-        torso: file.torso,
         pitch_limits: pitch_limits(file.base_pitch, base, &source)?,
-        feet: file.feet,
         bodies,
         contacts: contacts(&file.contacts, &source)?,
         frames: frames(&file.frames, &source)?,
         warnings: Vec::new(),
-        side_file: file_name.to_owned(),
+        roles: Roles { file: file_name.to_owned(), torso: file.torso, feet: file.feet, ..Roles::default() },
     }
     .build()
 }
@@ -67,7 +66,7 @@ pub(crate) fn contacts(
             name: contact.name.clone(),
             body: contact.body.clone(),
             position: source.vector(line, &subject, "position_m", contact.position_m)?,
-            foot: contact.foot.clone().unwrap_or_else(|| contact.name.clone()),
+            foot: contact.foot.clone(),
             line,
         })
     };

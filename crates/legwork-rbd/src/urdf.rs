@@ -15,6 +15,7 @@ use crate::model::Model;
 use crate::model_file::{ContactEntry, FrameEntry, GRAVITY};
 use crate::read::{Source, unit_axis};
 use crate::read_toml::{contacts, frames, numbers, pitch_limits};
+use crate::roles::Roles;
 use crate::spatial::{Placement, rotation_from_rpy};
 use crate::table::Table;
 use crate::urdf_text::{element_line, parse};
@@ -44,7 +45,7 @@ pub(crate) fn read_urdf(
     file_name: &str,
     sidecar: Option<(&str, &str)>,
     base: Option<Base>,
-) -> Result<Model, ModelError> {
+) -> Result<(Model, Roles), ModelError> {
     let source = Source::new(file_name, text);
     let robot = parse(text, &source)?;
     let (side_text, side_name) = sidecar.unwrap_or(("", file_name));
@@ -63,14 +64,12 @@ pub(crate) fn read_urdf(
         name: robot.name,
         base,
         gravity: side.gravity_mps2.unwrap_or(GRAVITY),
-        torso: side.torso,
         pitch_limits: pitch_limits(side.base_pitch, base, &side_source)?,
-        feet: side.feet,
         bodies,
         contacts: contacts(&side.contacts, &side_source)?,
         frames: frames(&side.frames, &side_source)?,
         warnings,
-        side_file: side_name.to_owned(),
+        roles: Roles { file: side_name.to_owned(), torso: side.torso, feet: side.feet, ..Roles::default() },
     }
     .build()
 }

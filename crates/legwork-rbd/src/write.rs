@@ -8,6 +8,7 @@ use crate::frame::Frame;
 use crate::joints::{Form, Key, Revolute};
 use crate::model::{Body, Dof, Model};
 use crate::model_file::{BodyEntry, ContactEntry, FrameEntry, FullInertia, InertiaEntry, ModelFile};
+use crate::roles::Roles;
 use crate::table::Table;
 
 impl Model {
@@ -17,25 +18,32 @@ impl Model {
     /// move alike, so the text may serve for hashing.
     #[must_use]
     pub fn to_toml(&self) -> String {
+        self.to_toml_with_roles(&Roles::default())
+    }
+
+    /// As [`Model::to_toml`], with `roles`: reading the text back gives them too.
+    #[must_use]
+    pub fn to_toml_with_roles(&self, roles: &Roles) -> String {
         let root = self.root();
         let pitch = &self.dofs.get(2).filter(|_| self.is_planar());
         let file = ModelFile {
             name: self.name.clone(),
             base: self.base,
             gravity_mps2: Some(self.gravity),
-            torso: Some(self.bodies[self.torso].name.clone()),
+            torso: roles.torso.clone(),
             base_pitch: pitch.map(|pitch| numbers(pitch, Revolute::LIMITS)),
-            feet: Some(self.feet.clone()),
+            feet: roles.feet.clone(),
             bodies: self.bodies[root..].iter().map(|body| spanned(self.body_entry(body))).collect(),
             contacts: self
                 .contacts
                 .iter()
-                .map(|contact| {
+                .enumerate()
+                .map(|(index, contact)| {
                     spanned(ContactEntry {
                         name: contact.name.clone(),
                         body: self.bodies[contact.body].name.clone(),
                         position_m: contact.position.into(),
-                        foot: Some(self.feet[contact.foot].clone()),
+                        foot: roles.foot.get(index).cloned().flatten(),
                     })
                 })
                 .collect(),

@@ -153,24 +153,11 @@ fn names() {
         &["robot.toml:7: contact \"tip\": unknown body \"lowr\"; valid are stand, upper, lower"],
     );
     says(
-        &toml_error("torso = \"upper\"", "torso = \"chest\""),
-        &["torso: unknown body \"chest\"; valid are stand, upper, lower"],
-    );
-    says(
         &toml_error("parent = \"upper\"", "parent = \"uper\""),
         &["body \"lower\": unknown parent \"uper\"; valid are"],
     );
     says(&toml_error("parent = \"stand\"", "parent = \"lower\""), &["loop of parents (upper, lower)"]);
     says(&toml_error("name = \"lower\"", "name = \"\""), &["a body's name: is empty"]);
-    says(
-        &toml_error("contacts = [", "feet = [\"left\"]\ncontacts = ["),
-        &["contact \"tip\": unknown foot \"tip\"; valid are left"],
-    );
-    says(
-        &toml_error("contacts = [", "feet = [\"tip\", \"left\"]\ncontacts = ["),
-        &["feet: \"left\" has no contact point"],
-    );
-    says(&toml_error("contacts = [", "feet = [\"tip\", \"tip\"]\ncontacts = ["), &["feet: \"tip\" is given twice"]);
     let twice = "contacts = [{ name = \"tip\", body = \"upper\", position_m = [0, 0, 0] }, ";
     says(&toml_error("contacts = [", twice), &["contact \"tip\": the name is given twice"]);
     let frame = |body: &str| toml_error("[[bodies]]", &format!("[[frames]]\n{body}\n[[bodies]]"));
@@ -314,7 +301,6 @@ fn urdf_joints_and_numbers() {
 fn side_files() {
     says(&side_error(""), &["robot.legwork.toml: is empty"]);
     says(&side_error("trunk = 1"), &["robot.legwork.toml:1: unknown field `trunk`", "`torso`"]);
-    says(&side_error("torso = \"chest\""), &["robot.legwork.toml: torso: unknown body \"chest\"; valid are pelvis"]);
     says(
         &side_error("actuated = [\"hip\"]"),
         &["robot.legwork.toml: actuated: unknown joint \"hip\"; valid are right_haa"],

@@ -110,7 +110,6 @@ fn names_and_neutral_position() {
     assert_eq!(planar.q_names(), names);
     assert_eq!(planar.v_names(), names);
     assert_eq!(planar.actuated().collect::<Vec<_>>(), [3, 4, 5, 6]);
-    assert_eq!(planar.feet, ["right_foot", "left_foot"]);
     assert!((planar.total_mass() - 72.5).abs() < 1e-12);
     assert!(planar.neutral().iter().all(|x| *x == 0.0));
     let limits: Vec<[f64; 2]> =

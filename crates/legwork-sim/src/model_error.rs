@@ -1,6 +1,6 @@
 //! How the simulated robot differs from the one that the controller knows: mass, centre of mass and inertia of its bodies.
 
-use legwork_rbd::Model;
+use legwork_contract::robot::Robot;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -11,7 +11,7 @@ const STREAM: u64 = 0x6d61_7373_6572_726f;
 ///
 /// Each body has a factor of its mass, of its inertia a unit of mass (so that the inertia stays one that a body can have), and of
 /// each component of its centre of mass, from the origin of its joint. Joints, contact points and gravity stay.
-pub fn real(known: &Model, share: f64, seed: u64) -> Model {
+pub fn real(known: &Robot, share: f64, seed: u64) -> Robot {
     let mut model = known.clone();
     if share == 0.0 {
         return model;
@@ -33,13 +33,13 @@ pub fn real(known: &Model, share: f64, seed: u64) -> Model {
 mod tests {
     use super::*;
 
-    fn load(name: &str) -> Model {
+    fn load(name: &str) -> Robot {
         let text = match name {
             "planar_humanoid" => include_str!("../../../models/planar_humanoid.toml"),
             "planar_humanoid_feet" => include_str!("../../../models/planar_humanoid_feet.toml"),
             _ => unreachable!("{name}"),
         };
-        Model::from_toml(text, name).expect("a sound model")
+        Robot::from_toml(text, name).expect("a sound model")
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! The scenarios that a study starts from, and how settings of scenario and model are varied.
 
-use legwork_rbd::{Model, ModelError};
+use legwork_rbd::ModelError;
 use toml::Value;
 
+use legwork::Robot;
 use legwork::episode::{self, Episode};
 use legwork::error::Error;
 use legwork::scenario::{CommandedSpeed, GeneratorKind, Scenario};
@@ -22,7 +23,7 @@ pub struct Variant {
     /// The scenario.
     pub scenario: Scenario,
     /// The robot.
-    pub model: Model,
+    pub model: Robot,
     /// The rows of the CoM file, where the scenario names one.
     pub samples: Vec<[f64; 3]>,
 }
@@ -164,7 +165,7 @@ impl Base {
         variant.scenario = scenario_file::check(scenario, self.name())?;
         if let Some(tree) = model {
             let text = toml::to_string(&tree).expect("values can be written as TOML");
-            variant.model = Model::from_toml(&text, &variant.model.name).map_err(|error| match error {
+            variant.model = Robot::from_toml(&text, &variant.model.name).map_err(|error| match error {
                 // The line is one of a text that nobody has seen.
                 ModelError::Invalid { subject, problem, .. } => Error::invalid(last, format!("{subject}: {problem}")),
                 ModelError::Syntax { message, .. } => Error::invalid(last, message),

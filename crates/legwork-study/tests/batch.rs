@@ -1,13 +1,13 @@
 //! Many robots stepped together: each as if it were alone, on any number of threads, without allocation.
 
+use legwork::Robot;
 use legwork::library;
 use legwork::scenario::{Push, Scenario};
 use legwork::sim::Simulator;
 use legwork::sim::batch::Batch;
-use legwork_rbd::Model;
 use legwork_study::parallel::{step_batch, with_threads};
 
-fn humanoid() -> Model {
+fn humanoid() -> Robot {
     library::load_model("planar_humanoid", None).expect("a built-in model")
 }
 

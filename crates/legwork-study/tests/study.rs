@@ -73,7 +73,7 @@ fn the_levels_reach_scenario_and_model() {
     let variant = study.variant(&study.point(5)).expect("it is valid");
     let base = study.bases[0].variant();
     assert_eq!((variant.scenario.ground.friction, variant.scenario.duration_s), (0.8, 0.6));
-    let torso = |model: &legwork_rbd::Model| model.bodies[model.torso].mass;
+    let torso = |model: &legwork::Robot| model.bodies[model.torso].mass;
     assert_eq!(torso(&variant.model), 1.1 * torso(&base.model));
 }
 

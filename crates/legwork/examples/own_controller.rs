@@ -4,16 +4,17 @@
 
 #![allow(clippy::print_stdout)]
 
+use legwork::Robot;
 use legwork::contract::{Command, Sensed};
 use legwork::control::Controller;
 use legwork::episode::{self, Parts};
 use legwork::error::Error;
-use legwork::rbd::{Dynamics, Model};
+use legwork::rbd::Dynamics;
 use legwork::scenario_file;
 
 #[derive(Debug)]
 struct Springs {
-    model: Model,
+    model: Robot,
     /// Where the joints were in the first tick.
     posture: Option<Vec<f64>>,
     command: Command,

@@ -4,17 +4,18 @@
 
 #![allow(clippy::print_stdout)]
 
+use legwork::Robot;
 use legwork::contract::{Command, Sensed};
 use legwork::episode::{self, Parts};
 use legwork::error::Error;
-use legwork::rbd::{Dynamics, Model};
+use legwork::rbd::Dynamics;
 use legwork::scenario_file;
 use legwork::sim::{Health, Plant};
 
 /// A robot that floats: no gravity, no ground. Semi-implicit Euler with the mass matrix.
 #[derive(Debug)]
 struct Weightless {
-    model: Model,
+    model: Robot,
     state: Sensed,
     dynamics: Dynamics,
 }

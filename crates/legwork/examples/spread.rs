@@ -6,11 +6,11 @@
 
 use std::io::{self, Write};
 
+use legwork::Robot;
 use legwork::episode::{self, Outcome, Run};
 use legwork::metrics::FIGURES;
 use legwork::settings::{SETTINGS, Setting, Valid};
 use legwork::{library, scenario_file};
-use legwork_rbd::Model;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -87,7 +87,7 @@ fn is_number(setting: &Setting) -> bool {
 }
 
 /// The torso's mass, centre of mass and inertia are fitted as well.
-fn move_torso(model: &mut Model, factor: &mut impl FnMut() -> f64) {
+fn move_torso(model: &mut Robot, factor: &mut impl FnMut() -> f64) {
     let torso = model.torso;
     let body = &mut model.bodies[torso];
     body.mass *= factor();

@@ -6,7 +6,7 @@
 use std::borrow::Cow;
 
 use legwork_qp::Status;
-use legwork_rbd::{Dynamics, Model};
+use legwork_rbd::Dynamics;
 
 use crate::balance::{Measures, Meter, Moment};
 use crate::channel::{Columns, Field, Record};
@@ -20,6 +20,7 @@ use crate::log::Log;
 use crate::metrics::{Measuring, Metrics};
 use crate::momentum::{Condition, Fallback, Limit, Task};
 use crate::record;
+use crate::robot::Robot;
 use crate::scenario::{ControllerKind, Scenario};
 use crate::settings;
 use crate::sim::audit::Audit;
@@ -85,9 +86,9 @@ pub struct Run {
     /// What was run.
     pub scenario: Scenario,
     /// The robot as it is.
-    pub model: Model,
+    pub model: Robot,
     /// The robot as the controller knows it; the same but for `simulation.model_error`.
-    pub known: Model,
+    pub known: Robot,
     /// The controller's tasks, in the order of the log's columns of slack.
     pub tasks: Vec<Task>,
     /// The controller's limits, in the order of the log's columns of active ones.
@@ -155,9 +156,9 @@ const MOST_RECORDS: u64 = 4_000_000;
 pub struct Episode {
     scenario: Scenario,
     /// The robot as it is.
-    model: Model,
+    model: Robot,
     /// The robot as the controller knows it.
-    known: Model,
+    known: Robot,
     ground: Terrain,
     /// Which contact points its feet have.
     feet: FeetMotion,
@@ -199,7 +200,7 @@ impl Episode {
     /// # Errors
     /// The start pose cannot be taken, a push names an unknown body, the CoM trajectory is not valid, or the model is
     /// none that the controller can drive.
-    pub fn new(scenario: &Scenario, model: &Model, samples: &[[f64; 3]]) -> Result<Self, Error> {
+    pub fn new(scenario: &Scenario, model: &Robot, samples: &[[f64; 3]]) -> Result<Self, Error> {
         Self::with(scenario, model, Parts { samples: samples.to_vec(), ..Parts::default() })
     }
 
@@ -207,7 +208,7 @@ impl Episode {
     ///
     /// # Errors
     /// Those of [`Episode::new`]; a physics whose state is none of the robot's, or two channels of one name.
-    pub fn with(scenario: &Scenario, model: &Model, parts: Parts) -> Result<Self, Error> {
+    pub fn with(scenario: &Scenario, model: &Robot, parts: Parts) -> Result<Self, Error> {
         let momentum = parts.controller.is_none() && scenario.controller.kind == ControllerKind::Momentum;
         if momentum && parts.generator.is_none() {
             check_model(model, scenario.reference.generator)?;
@@ -539,7 +540,7 @@ fn of_truth<'a>(own: &'a Option<Dynamics>, plant: &'a dyn Plant) -> &'a Dynamics
 /// Those of [`Episode::new`].
 pub fn run(
     scenario: &Scenario,
-    model: &Model,
+    model: &Robot,
     samples: &[[f64; 3]],
     stop: impl FnMut(f64) -> bool,
 ) -> Result<Run, Error> {
@@ -552,7 +553,7 @@ pub fn run(
 /// Those of [`Episode::with`], [`Episode::advance`] and [`Episode::finish`].
 pub fn run_with(
     scenario: &Scenario,
-    model: &Model,
+    model: &Robot,
     parts: Parts,
     mut stop: impl FnMut(f64) -> bool,
 ) -> Result<Run, Error> {
@@ -565,7 +566,7 @@ pub fn run_with(
 }
 
 /// Hash of everything that a run depends on, the settings that are in use among it: of what is in the files that a scenario names, not of where they lie.
-pub fn input_hash(scenario: &Scenario, model: &Model, samples: &[[f64; 3]]) -> u128 {
+pub fn input_hash(scenario: &Scenario, model: &Robot, samples: &[[f64; 3]]) -> u128 {
     let mut scenario = scenario.clone();
     for name in [&mut scenario.name, &mut scenario.description, &mut scenario.model] {
         name.clear();

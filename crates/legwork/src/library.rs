@@ -3,9 +3,10 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use legwork_rbd::{Base, Model};
+use legwork_rbd::Base;
 
 use crate::error::Error;
+use crate::robot::Robot;
 use crate::settings::{TRAJECTORY_COLUMNS, Valid};
 
 /// A built-in file: its name and its text.
@@ -121,7 +122,7 @@ fn text(entries: &[Entry], name: &str) -> Option<&'static str> {
 ///
 /// # Errors
 /// Neither a built-in model nor a file has this name, or the file is no valid model.
-pub fn load_model(name_or_path: &str, folder: Option<&Path>) -> Result<Model, Error> {
+pub fn load_model(name_or_path: &str, folder: Option<&Path>) -> Result<Robot, Error> {
     load_model_with_base(name_or_path, folder, None)
 }
 
@@ -129,23 +130,23 @@ pub fn load_model(name_or_path: &str, folder: Option<&Path>) -> Result<Model, Er
 ///
 /// # Errors
 /// As [`load_model`].
-pub fn load_model_with_base(name_or_path: &str, folder: Option<&Path>, base: Option<Base>) -> Result<Model, Error> {
+pub fn load_model_with_base(name_or_path: &str, folder: Option<&Path>, base: Option<Base>) -> Result<Robot, Error> {
     if let Some(text) = model_text(name_or_path) {
         return Ok(match self::text(SIDE_FILES, name_or_path) {
-            Some(side) => Model::from_urdf(
+            Some(side) => Robot::from_urdf(
                 text,
                 &format!("built-in {name_or_path}.urdf"),
                 Some((side, &format!("built-in {name_or_path}.legwork.toml"))),
                 base,
             )?,
-            None => Model::from_toml_with_base(text, &format!("built-in {name_or_path}.toml"), base)?,
+            None => Robot::from_toml_with_base(text, &format!("built-in {name_or_path}.toml"), base)?,
         });
     }
     let path = folder.unwrap_or(Path::new("")).join(name_or_path);
     if is_mere_name(name_or_path) && !path.exists() {
         return Err(Error::invalid("model", not_found("model", name_or_path, model_names())));
     }
-    Ok(Model::load_with_base(&path, base)?)
+    Ok(Robot::load_with_base(&path, base)?)
 }
 
 /// The kinds of files of which some are built in, beside the models.

@@ -2,10 +2,9 @@
 
 use std::ops::Range;
 
-use legwork_rbd::Model;
-
 pub use crate::channel::{Channel, Columns, Field};
 use crate::contract::{ContactSensed, Sensed};
+use crate::robot::Robot;
 
 /// Records of equal width.
 #[derive(Clone, Debug)]
@@ -20,15 +19,14 @@ pub struct Log {
 
 impl Log {
     /// An empty log of `model`, with room for `records` records.
-    pub fn new(columns: Columns, model: &Model, records: usize) -> Self {
-        let foot_of = model.contacts.iter().map(|contact| contact.foot).collect();
-        let mut log = Self { columns, values: Vec::new(), foot_of, kept: None };
+    pub fn new(columns: Columns, model: &Robot, records: usize) -> Self {
+        let mut log = Self { columns, values: Vec::new(), foot_of: model.foot_of.clone(), kept: None };
         log.values.reserve_exact(records * log.columns.width());
         log
     }
 
     /// An empty log of `model` that forgets all but the latest `kept` records, or up to a quarter more.
-    pub fn of_latest(columns: Columns, model: &Model, kept: usize) -> Self {
+    pub fn of_latest(columns: Columns, model: &Robot, kept: usize) -> Self {
         Self { kept: Some(kept), ..Self::new(columns, model, kept + kept / 4) }
     }
 

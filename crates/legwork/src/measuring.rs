@@ -1,11 +1,10 @@
 //! How the [`crate::metrics`] of a run are taken: sums over its records, one after the other, so that no record need be kept.
 
-use legwork_rbd::Model;
-
 use crate::balance::Meter;
 use crate::channel::{Columns, Field};
 use crate::log::{Log, middle};
 use crate::metrics::{JointUse, MeanPeak, Metrics};
+use crate::robot::Robot;
 use crate::scenario::{CommandedSpeed, MetricsSettings, Scenario};
 
 /// A robot that is slower on the mean does not travel, and has no cost of transport [m/s].
@@ -130,13 +129,13 @@ impl Steady {
 
 impl Measuring {
     /// Before the first record of a run of `scenario` with `model`; a record has the `columns`.
-    pub fn new(scenario: &Scenario, model: &Model, columns: &Columns) -> Self {
+    pub fn new(scenario: &Scenario, model: &Robot, columns: &Columns) -> Self {
         let joints = joints(columns);
         Self {
             settings: scenario.metrics.clone(),
             weight: model.total_mass() * model.gravity,
             meter: Meter::new(scenario, model),
-            foot_of: model.contacts.iter().map(|contact| contact.foot).collect(),
+            foot_of: model.foot_of.clone(),
             counts: false,
             counted: Counted { joints: vec![Default::default(); joints.len()], ..Counted::default() },
             joints,
@@ -151,7 +150,7 @@ impl Measuring {
 
     /// From the next record on the run is one of `scenario`. Another first push begins its recovery anew, and a walk whose commanded
     /// speed changes is at no constant one.
-    pub fn change(&mut self, scenario: &Scenario, model: &Model) {
+    pub fn change(&mut self, scenario: &Scenario, model: &Robot) {
         self.meter = Meter::new(scenario, model);
         let push = first_push(scenario);
         if self.push != push {
@@ -337,7 +336,7 @@ impl Joint {
 }
 
 /// The metrics of a `log` of `model`.
-pub fn measure(scenario: &Scenario, model: &Model, log: &Log) -> Metrics {
+pub fn measure(scenario: &Scenario, model: &Robot, log: &Log) -> Metrics {
     let mut measuring = Measuring::new(scenario, model, log.layout());
     log.records().for_each(|record| measuring.take(record));
     measuring.finish()

@@ -12,10 +12,11 @@ use crate::control::controller::Controller;
 use crate::feet::{FeetMotion, FootRows};
 use crate::generator::{PointReference, Reference};
 use crate::names;
+use crate::robot::Robot;
 use crate::sim::Plant;
 
 /// The channels of a run of `model` with this controller and this physics.
-pub(crate) fn channels(model: &Model, controller: &dyn Controller, plant: &dyn Plant) -> Vec<Channel> {
+pub(crate) fn channels(model: &Robot, controller: &dyn Controller, plant: &dyn Plant) -> Vec<Channel> {
     let positions = model.q_names().into_iter().enumerate().map(|(index, name)| {
         let unit = match model.nq() == model.nv() {
             false => "",
@@ -48,7 +49,7 @@ pub(crate) fn channels(model: &Model, controller: &dyn Controller, plant: &dyn P
     channels
 }
 
-fn reference_channels(model: &Model) -> Vec<Channel> {
+fn reference_channels(model: &Robot) -> Vec<Channel> {
     let feet = model.feet.iter().take(2).flat_map(|foot| names::motion(model, &format!("foot_reference.{foot}")));
     let torso = [("", "rad"), ("_velocity", "rad/s"), ("_acceleration", "rad/s2")];
     let mut channels = [
@@ -68,7 +69,7 @@ fn reference_channels(model: &Model) -> Vec<Channel> {
 }
 
 /// Writes the true state down.
-pub(crate) fn state(record: &mut Record<'_>, model: &Model, truth: &Sensed, dynamics: &Dynamics) {
+pub(crate) fn state(record: &mut Record<'_>, model: &Robot, truth: &Sensed, dynamics: &Dynamics) {
     record.set(Field::Time, [truth.time]);
     record.set(Field::Q, truth.q.iter().copied());
     record.set(Field::V, truth.v.iter().copied());
@@ -76,8 +77,8 @@ pub(crate) fn state(record: &mut Record<'_>, model: &Model, truth: &Sensed, dyna
     record.set(Field::ComVelocity, along(model, dynamics.com_velocity));
     // About −y, which is the plane's only axis.
     let (row, sign) = if model.is_planar() { (0, 1.0) } else { (1, -1.0) };
-    let turning = (0..truth.v.len()).map(|j| dynamics.torso_jacobian[(row, j)] * truth.v[j]).sum::<f64>();
-    record.set(Field::Torso, [dynamics.torso_angle(model), sign * turning]);
+    let turning = model.angular_axes()[row].dot(&dynamics.body_velocity[model.torso].angular);
+    record.set(Field::Torso, [model.torso_angle(dynamics, &truth.q), sign * turning]);
     record.set(Field::Feet, dynamics.contact_positions.iter().flat_map(|point| along(model, *point)));
     record.set(Field::Touching, truth.contacts.iter().map(|contact| f64::from(u8::from(contact.touching))));
     let elastic = model.is_elastic().then_some(dynamics.elastic_energy);

@@ -2,13 +2,12 @@
 //!
 //! The loop is open: estimates and torques are those of the run, bit by bit, so that the same work is done each time.
 
-use legwork_rbd::Model;
-
 use crate::contract::{Command, Sensed};
 use crate::episode::Run;
 use crate::error::Error;
 use crate::log::{Field, Log};
 use crate::momentum::MomentumController;
+use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::sim::sensors::Sensors;
 use crate::sim::{Health, Plant, Simulator};
@@ -18,8 +17,8 @@ use crate::sim::{Health, Plant, Simulator};
 pub struct Recording {
     scenario: Scenario,
     /// The robot as it is, and as the controller knows it.
-    model: Model,
-    known: Model,
+    model: Robot,
+    known: Robot,
     samples: Vec<[f64; 3]>,
     start: Sensed,
     /// What the controller was told, a tick each.
@@ -74,7 +73,7 @@ impl Recording {
     }
 
     /// The robot as the controller knows it: whose dynamics its ticks want.
-    pub fn known(&self) -> &Model {
+    pub fn known(&self) -> &Robot {
         &self.known
     }
 }

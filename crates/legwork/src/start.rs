@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::error::Error;
 use crate::feet::{FeetMotion, Sole, pitched, rotation_error};
+use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::terrain::Terrain;
 
@@ -16,7 +17,7 @@ const TOLERANCE: f64 = 1e-12;
 ///
 /// # Errors
 /// No such pose exists: it names what could not be met.
-pub fn start_pose(scenario: &Scenario, model: &Model, ground: &Terrain) -> Result<DVector<f64>, Error> {
+pub fn start_pose(scenario: &Scenario, model: &Robot, ground: &Terrain) -> Result<DVector<f64>, Error> {
     let start = &scenario.start;
     let stature = scenario.wearer.stature();
     let on_ground = |x: f64, y: f64| Vector3::new(stature * x, y, ground.height_at(stature * x));
@@ -77,7 +78,7 @@ fn first_guess(model: &Model, target: &Target, bend: f64) -> DVector<f64> {
 }
 
 /// Levenberg-Marquardt on the pose's errors; returns the largest error left and the pose.
-fn solve(model: &Model, target: &Target, mut q: DVector<f64>) -> (f64, DVector<f64>) {
+fn solve(model: &Robot, target: &Target, mut q: DVector<f64>) -> (f64, DVector<f64>) {
     let mut dynamics = Dynamics::new(model);
     let mut damping = 1e-3;
     let (mut error, mut jacobian) = residual(model, target, &mut dynamics, &q);
@@ -105,7 +106,7 @@ fn solve(model: &Model, target: &Target, mut q: DVector<f64>) -> (f64, DVector<f
 }
 
 /// Target minus pose, and the pose's Jacobian: feet, CoM, torso.
-fn residual(model: &Model, target: &Target, dynamics: &mut Dynamics, q: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
+fn residual(model: &Robot, target: &Target, dynamics: &mut Dynamics, q: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
     dynamics.update(model, q.as_slice(), &vec![0.0; model.nv()]);
     let mut feet = FeetMotion::new(model);
     feet.update(model, dynamics);
@@ -127,14 +128,16 @@ fn residual(model: &Model, target: &Target, dynamics: &mut Dynamics, q: &DVector
         error[com + row] = axis.dot(&(target.com - dynamics.com));
     }
     if model.is_planar() {
-        error[torso] = target.torso - dynamics.torso_angle(model);
+        error[torso] = target.torso - model.torso_angle(dynamics, q.as_slice());
     } else {
         let turn = rotation_error(&dynamics.world_from_body[model.torso].rotation, &pitched(target.torso));
         error.rows_mut(torso, angular.len()).copy_from(&turn);
     }
     jacobian.rows_mut(0, com).copy_from(&feet.jacobian);
     jacobian.rows_mut(com, linear.len()).copy_from(&dynamics.com_jacobian);
-    jacobian.rows_mut(torso, angular.len()).copy_from(&dynamics.torso_jacobian);
+    let mut turning = DMatrix::zeros(angular.len(), model.nv());
+    dynamics.angular_jacobian(model, model.torso, &mut turning);
+    jacobian.rows_mut(torso, angular.len()).copy_from(&turning);
     (error, jacobian)
 }
 
@@ -168,7 +171,7 @@ fn check_limits(model: &Model, q: DVector<f64>) -> Result<DVector<f64>, Error> {
     Ok(q)
 }
 
-fn unreachable(model: &Model, target: &Target, q: &DVector<f64>) -> Error {
+fn unreachable(model: &Robot, target: &Target, q: &DVector<f64>) -> Error {
     let mut dynamics = Dynamics::new(model);
     dynamics.update(model, q.as_slice(), &vec![0.0; model.nv()]);
     let mut motion = FeetMotion::new(model);

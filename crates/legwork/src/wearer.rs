@@ -93,8 +93,9 @@ mod tests {
 
     use super::*;
     use crate::library::load_model;
+    use crate::robot::Robot;
 
-    fn fitted(name: &str, mass_kg: f64, height_m: f64) -> Model {
+    fn fitted(name: &str, mass_kg: f64, height_m: f64) -> Robot {
         let mut model = load_model(name, None).expect("built in");
         fit(&mut model, &Wearer { mass_kg, height_m }, &Exoskeleton::default()).expect("a person");
         model

@@ -2,16 +2,16 @@
 
 mod common;
 
+use legwork::Robot;
 use legwork::diagnosis::{Diagnosis, FirstCause, What};
 use legwork::episode::{self, Outcome, Run};
 use legwork::log::Field;
 use legwork::momentum::LimitKind;
 use legwork::scenario::Scenario;
 use legwork::{library, scenario_file};
-use legwork_rbd::Model;
 
 /// Loads a built-in scenario with `sets` and its model.
-fn load(name: &str, sets: &[&str]) -> (Scenario, Model) {
+fn load(name: &str, sets: &[&str]) -> (Scenario, Robot) {
     let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
     let loaded = scenario_file::load(name, &sets).expect("a built-in scenario");
     let model = library::load_model(&loaded.scenario.model, None).expect("a built-in model");

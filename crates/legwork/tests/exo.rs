@@ -2,14 +2,15 @@
 
 mod common;
 
+use legwork::Robot;
 use legwork::episode::{Outcome, Run};
 use legwork::feet::FeetMotion;
 use legwork::log::Field;
 use legwork::start::start_pose;
 use legwork::{episode, library, scenario_file};
-use legwork_rbd::{Dynamics, Model};
+use legwork_rbd::Dynamics;
 
-fn exo() -> Model {
+fn exo() -> Robot {
     library::load_model("exo18", None).expect("a built-in model")
 }
 

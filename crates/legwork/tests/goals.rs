@@ -1,5 +1,6 @@
 //! From state to goals: the planner's equations, the step state machine, the friction cone on a slope.
 
+use legwork::Robot;
 use legwork::contact::friction_rows;
 use legwork::feet::FeetMotion;
 use legwork::generator::step::{Phase, StepMachine};
@@ -9,12 +10,12 @@ use legwork::momentum::tasks::Seen;
 use legwork::planner::MotionReferencePlanner;
 use legwork::scenario::{Damping, LeastStep, Replan, Scenario, StepSettings};
 use legwork::terrain::Terrain;
-use legwork_rbd::{Dynamics, Model};
+use legwork_rbd::Dynamics;
 use nalgebra::Vector3;
 
 const GRAVITY: f64 = 9.81;
 
-fn humanoid() -> Model {
+fn humanoid() -> Robot {
     library::load_model("planar_humanoid", None).expect("a built-in model")
 }
 

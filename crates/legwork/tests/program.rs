@@ -4,6 +4,7 @@ mod common;
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+use legwork::Robot;
 use legwork::contact::Surface;
 use legwork::contract::Sensed;
 use legwork::control::{Controller, Fallback};
@@ -13,12 +14,12 @@ use legwork::momentum::{self, Condition, Inputs, Layout, LimitKind, Relaxation, 
 use legwork::scenario::{QpForm, Scenario, Tracking};
 use legwork::{library, scenario_file};
 use legwork_qp::{Problem, Solver, Status};
-use legwork_rbd::{Dynamics, Model};
+use legwork_rbd::Dynamics;
 
 /// A controller's inputs in a state of a run, so that either form can be built from them.
 struct State {
     scenario: Scenario,
-    model: Model,
+    model: Robot,
     aims: Vec<Aim>,
     feet: FeetMotion,
     ground: Vec<Surface>,

@@ -2,6 +2,7 @@
 
 mod common;
 
+use legwork::Robot;
 use legwork::log::Field;
 use legwork::scenario::{ContactModel, Integrator, Push, Scenario};
 use legwork::sim::Simulator;
@@ -29,7 +30,7 @@ fn a_box() -> Model {
     Model::from_toml(BOX, "box.toml").expect("a valid model")
 }
 
-fn humanoid() -> Model {
+fn humanoid() -> Robot {
     library::load_model("planar_humanoid", None).expect("a built-in model")
 }
 

@@ -25,8 +25,8 @@ const COMPARABLE: &str = "
 - **Compilers.** Ours is built as a user builds it, without flags for the processor. DAQP, PIQP, ProxQP and quadprog
   are compiled for this processor, which is to their advantage; Pinocchio, TSID, eiquadprog, MuJoCo and OSQP run as their
   packages ship them.
-- **Dynamics.** Ours computes the Jacobian and its bias of each contact point (8 of exo18), the torso's, energies and the
-  gravity vector besides. Pinocchio computes one 6 × n Jacobian a foot; the contact points' rows that are compared follow from
+- **Dynamics.** Ours computes the Jacobian and its bias of each contact point (8 of exo18), energies and the gravity
+  vector besides. Pinocchio computes one 6 × n Jacobian a foot; the contact points' rows that are compared follow from
   them outside the clock.
 - **Solvers.** The clock runs from matrices in memory, each in the form that its solver wants, to the solution, with setup or
   update. DAQP, ProxQP and OSQP start warm; DAQP eliminates

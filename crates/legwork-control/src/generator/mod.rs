@@ -18,8 +18,9 @@ use legwork_contract::contract::Sensed;
 use legwork_contract::error::Error;
 use legwork_contract::feet::FeetMotion;
 pub use legwork_contract::feet::Footing;
+use legwork_contract::robot::Robot;
 use legwork_contract::terrain::Terrain;
-use legwork_rbd::{Dynamics, Model};
+use legwork_rbd::Dynamics;
 use nalgebra::Vector3;
 
 use crate::settings::{GeneratorKind, ReferenceSettings};
@@ -179,7 +180,7 @@ impl Observation {
     }
 
     /// The same of a robot in the state that was `sensed`, with its dynamics reckoned anew.
-    pub fn of(model: &Model, sensed: &Sensed) -> Self {
+    pub fn of(model: &Robot, sensed: &Sensed) -> Self {
         let mut dynamics = Dynamics::new(model);
         dynamics.update(model, &sensed.q, &sensed.v);
         let mut feet = FeetMotion::new(model);
@@ -192,7 +193,7 @@ impl Observation {
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings<'a> {
     /// The robot.
-    pub model: &'a Model,
+    pub model: &'a Robot,
     /// The ground that the controller believes in.
     pub terrain: &'a Terrain,
     /// Whether that is how high the ground is; else feet stand as they come to rest.

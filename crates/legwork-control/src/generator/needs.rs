@@ -2,7 +2,8 @@
 
 use legwork_contract::error::Error;
 use legwork_contract::feet::Sole;
-use legwork_rbd::{Base, Model};
+use legwork_contract::robot::Robot;
+use legwork_rbd::Base;
 
 use crate::settings::{GeneratorKind, WalkerSettings};
 
@@ -10,13 +11,13 @@ use crate::settings::{GeneratorKind, WalkerSettings};
 const LEVEL_M: f64 = 1e-3;
 
 /// Whether the feet's joints are above their soles and between heel and toe.
-fn has_ankles(model: &Model) -> bool {
+fn has_ankles(model: &Robot) -> bool {
     let sole = Sole::of(model);
     sole.heel < 0.0 && sole.toe > 0.0 && sole.ankle > 0.0
 }
 
 /// What is wrong with the soles on which the walker is to stand: each is level, below its ankle, and the other's like.
-fn uneven_soles(model: &Model) -> Option<String> {
+fn uneven_soles(model: &Robot) -> Option<String> {
     let sole = Sole::of(model);
     for contact in &model.contacts {
         let [x, z] = [contact.position.x, contact.position.z];
@@ -37,7 +38,7 @@ fn uneven_soles(model: &Model) -> Option<String> {
 }
 
 /// The walker's legs reach the ground from wherever its schedule has the centre of mass.
-pub(super) fn check_reach(walker: &WalkerSettings, model: &Model) -> Result<(), Error> {
+pub(super) fn check_reach(walker: &WalkerSettings, model: &Robot) -> Result<(), Error> {
     let ankle = Sole::of(model).ankle;
     for (row, &[speed, _, height, ..]) in walker.schedule.iter().enumerate() {
         if walker.farthest_ahead(speed, ankle, walker.longest_drop_m) == 0.0 {
@@ -56,11 +57,11 @@ pub(super) fn check_reach(walker: &WalkerSettings, model: &Model) -> Result<(), 
 ///
 /// # Errors
 /// The model does not have what the generator needs; the message says what that is.
-pub fn check_model(model: &Model, generator: GeneratorKind) -> Result<(), Error> {
-    let points = |foot: usize| model.contacts.iter().filter(|contact| contact.foot == foot).count();
+pub fn check_model(model: &Robot, generator: GeneratorKind) -> Result<(), Error> {
+    let points = |foot: usize| model.points_of(foot).count();
     let two_feet = model.feet.len() == 2 && points(0) > 0 && points(1) > 0;
-    let one_body_each =
-        model.contacts.iter().all(|a| model.contacts.iter().all(|b| a.foot != b.foot || a.body == b.body));
+    let parts = || model.contacts.iter().zip(&model.foot_of);
+    let one_body_each = parts().all(|(a, foot)| parts().all(|(b, other)| foot != other || a.body == b.body));
     let (valid, needs) = match generator {
         GeneratorKind::Steps => (
             model.is_planar() && two_feet && model.contacts.len() == 2,

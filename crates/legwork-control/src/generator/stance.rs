@@ -160,7 +160,7 @@ pub(super) fn sum(a: PointReference, b: PointReference) -> PointReference {
 
 #[cfg(test)]
 mod tests {
-    use legwork_rbd::Model;
+    use legwork_contract::robot::Robot;
 
     use super::*;
     use crate::settings::ReferenceSettings;
@@ -174,7 +174,7 @@ mod tests {
             ..ReferenceSettings::default().stance
         };
         let text = include_str!("../../../../models/planar_humanoid.toml");
-        let model = Model::from_toml(text, "humanoid").expect("a sound model");
+        let model = Robot::from_toml(text, "humanoid").expect("a sound model");
         let terrain = Terrain::plane(&model, 0.8, 0.0);
         let around = Surroundings { model: &model, terrain: &terrain, height_is_known: true, torso_angle: 0.0 };
         let start = Observation {

@@ -16,8 +16,8 @@ pub fn forces(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
     }
     // A foot that is being unloaded: each of its contact points carries no more than the foot may.
     let axes = layout.dimension();
-    for (contact, point) in inputs.model.contacts.iter().enumerate() {
-        let Some(&most) = inputs.max_load.get(point.foot).filter(|most| most.is_finite()) else { continue };
+    for (contact, &foot) in inputs.model.foot_of.iter().enumerate() {
+        let Some(&most) = inputs.max_load.get(foot).filter(|most| most.is_finite()) else { continue };
         let vertical = &mut problem.upper_mut()[layout.rho.start + contact * axes + axes - 1];
         *vertical = most.min(*vertical);
     }

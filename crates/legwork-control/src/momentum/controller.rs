@@ -9,9 +9,10 @@ use legwork_contract::contact::Surface;
 use legwork_contract::contract::{Command, Sensed};
 use legwork_contract::feet::{FeetMotion, Footing};
 use legwork_contract::names;
+use legwork_contract::robot::Robot;
 use legwork_contract::terrain::Terrain;
 use legwork_qp::{Problem, Solver, Status};
-use legwork_rbd::{Dynamics, Model};
+use legwork_rbd::Dynamics;
 
 use super::tasks::{Seen, momentum};
 use super::{Inputs, Layout, Limit, Relaxation, Solution, Task, bounds, layout};
@@ -88,7 +89,7 @@ pub struct Tick {
 #[derive(Debug)]
 pub struct MomentumController {
     settings: ControllerSettings,
-    model: Model,
+    model: Robot,
     terrain: Terrain,
     /// What is below each contact point.
     ground: Vec<Surface>,
@@ -107,7 +108,7 @@ pub struct MomentumController {
 
 impl MomentumController {
     /// A controller for `model` on the `terrain` that it believes in, which follows a `generator`.
-    pub fn new(settings: &ControllerSettings, model: &Model, terrain: &Terrain, generator: Box<dyn Generator>) -> Self {
+    pub fn new(settings: &ControllerSettings, model: &Robot, terrain: &Terrain, generator: Box<dyn Generator>) -> Self {
         let layout = Layout::new(settings.form, settings, model);
         let actuated = layout.actuated.len();
         Self {
@@ -167,17 +168,15 @@ impl MomentumController {
             self.feet.place(&self.model, dynamics, foot, *footing);
         }
         if !self.terrain.is_plane() {
-            let contacts = &self.model.contacts;
-            self.terrain.below(&dynamics.contact_positions, |contact| contacts[contact].foot, &mut self.ground);
+            let foot_of = &self.model.foot_of;
+            self.terrain.below(&dynamics.contact_positions, |contact| foot_of[contact], &mut self.ground);
         }
-        for (contact, point) in self.model.contacts.iter().enumerate() {
+        for (contact, &foot) in self.model.foot_of.iter().enumerate() {
             self.stance[contact] = sensed.contacts[contact].touching
-                && match footing.get(point.foot) {
+                && match footing.get(foot) {
                     // The distance rule (4.10) alone lets the swing foot push until it has left the ground.
                     Some(Footing::Swings) => false,
-                    Some(&footing) if footing.is_on_an_end() => {
-                        self.feet.points(point.foot, footing).contains(&contact)
-                    }
+                    Some(&footing) if footing.is_on_an_end() => self.feet.points(foot, footing).contains(&contact),
                     _ => true,
                 };
         }

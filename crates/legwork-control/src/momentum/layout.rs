@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use legwork_qp::{Constraint, Side};
-use legwork_rbd::Model;
 
 use crate::settings::{ControllerSettings, QpForm, Tracking};
 use legwork_contract::contact::friction_rows;
+use legwork_contract::robot::Robot;
 
 use super::limit::{Condition, Limit, LimitKind};
 use super::tasks::{Task, laws};
@@ -44,7 +44,7 @@ pub struct Layout {
 
 impl Layout {
     /// The layout of `form` for `model`, with the tasks that `settings` ask for.
-    pub fn new(form: QpForm, settings: &ControllerSettings, model: &Model) -> Self {
+    pub fn new(form: QpForm, settings: &ControllerSettings, model: &Robot) -> Self {
         let (nv, contacts, dimension) = (model.nv(), model.contacts.len(), model.linear_axes().len());
         let actuated: Vec<usize> = model.actuated().collect();
         let forces = contacts * dimension;

@@ -22,13 +22,14 @@ mod solution;
 pub mod tasks;
 
 use legwork_qp::Problem;
-use legwork_rbd::{Dynamics, Model};
+use legwork_rbd::Dynamics;
 
 use crate::settings::{Limits, Weights};
 pub use controller::{Fallback, MomentumController, Part, Tick};
 pub use layout::Layout;
 use legwork_contract::contact::Surface;
 use legwork_contract::feet::{FeetMotion, Footing};
+use legwork_contract::robot::Robot;
 pub use limit::{Condition, Limit, LimitKind};
 pub use solution::{Solution, read_solution};
 use tasks::Aim;
@@ -38,7 +39,7 @@ pub use tasks::Task;
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs<'a> {
     /// The robot.
-    pub model: &'a Model,
+    pub model: &'a Robot,
     /// Its dynamics in the present state.
     pub dynamics: &'a Dynamics,
     /// The feet in the present state.

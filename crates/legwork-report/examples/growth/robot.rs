@@ -5,6 +5,7 @@
 
 use std::fmt::Write;
 
+use legwork::Robot;
 use legwork::contract::Sensed;
 use legwork::error::Error;
 use legwork::scenario::Scenario;
@@ -39,7 +40,7 @@ pub(crate) struct Size {
 #[derive(Clone, Debug)]
 pub(crate) struct Standing {
     /// The robot.
-    pub(crate) model: Model,
+    pub(crate) model: Robot,
     /// A state each [`Standing::torques`] is given in.
     pub(crate) estimates: Vec<Sensed>,
     /// Torques of the actuated joints [Nm].
@@ -48,7 +49,7 @@ pub(crate) struct Standing {
 
 impl Size {
     /// The robot of this size.
-    pub(crate) fn model(self) -> Result<Model, Error> {
+    pub(crate) fn model(self) -> Result<Robot, Error> {
         let legs = if self.ankles { 6 } else { 4 };
         let arms = self.dofs - 3 - legs;
         let mut text = "name = \"grown\"\nbase = \"planar\"\ntorso = \"trunk\"\ncontacts = [\n".to_owned();
@@ -81,7 +82,7 @@ impl Size {
                 link(&mut text, side, &format!("arm{index}"), &parent, z, length, ARM_MASS / arms as f64);
             }
         }
-        Ok(Model::from_toml(&text, "a robot made to measure growth")?)
+        Ok(Robot::from_toml(&text, "a robot made to measure growth")?)
     }
 
     /// How it stands in the beginning: both feet on the ground, one before and one behind the hips, the arms bent.

@@ -286,8 +286,7 @@ impl<'a> Charts<'a> {
     fn forces(&self) -> (Vec<Part>, String) {
         let (d, log, model) = (self.dimension, &self.run.log, &self.run.model);
         let of_foot = |field: Field, foot: usize, axis: usize| -> Vec<f64> {
-            let contacts = model.contacts.iter().enumerate().filter(|(_, contact)| contact.foot == foot);
-            let columns: Vec<usize> = contacts.map(|(contact, _)| contact * d + axis).collect();
+            let columns: Vec<usize> = model.points_of(foot).map(|point| point * d + axis).collect();
             (0..log.len()).map(|i| columns.iter().map(|&column| log.get(i, field)[column]).sum()).collect()
         };
         let mut axes = vec![(d - 1, "vertical", 200.0), (0, "along x", 150.0)];

@@ -1,5 +1,6 @@
 //! The stick figure: where its links, marks and forces are at a moment, seen from a side. Thesis Figure 6.3
 
+use legwork::Robot;
 use legwork::episode::Run;
 use legwork::generator::xcom::{eigenfrequency, xcom};
 use legwork::log::Field;
@@ -72,7 +73,7 @@ impl Skeleton {
     }
 
     /// Where the lines of `body` lead from its joint.
-    fn ends(&mut self, model: &Model, body: usize, joints: &[usize]) -> Vec<usize> {
+    fn ends(&mut self, model: &Robot, body: usize, joints: &[usize]) -> Vec<usize> {
         let children = (0..model.bodies.len()).filter(|&child| model.bodies[child].parent == Some(body));
         let children = children.map(|child| (joints[child], model.bodies[child].placement.translation));
         let contacts = model.contacts.iter().zip(&self.contacts).filter(|(contact, _)| contact.body == body);
@@ -279,7 +280,7 @@ impl View {
 
     /// The pose. `animation.js` relies on the order of the elements: cones, links, joints, net force, forces, pushes, then
     /// marks of the feet's references, XcoM, CoM reference, CoM.
-    pub(super) fn draw(&self, pose: &Pose, skeleton: &Skeleton, model: &Model) -> Markup {
+    pub(super) fn draw(&self, pose: &Pose, skeleton: &Skeleton, model: &Robot) -> Markup {
         let contacts: Vec<Spatial> = skeleton.contacts.iter().map(|&point| pose.points[point]).collect();
         let (centre, net) = net_force(&contacts, &pose.forces);
         let thickness = self.thickness * self.scale;
@@ -295,8 +296,8 @@ impl View {
                 circle class="joint" transform=(translate(self.pixel(pose.points[joint]))) r=(Px(0.55 * thickness)) {}
             }
             path class="arrow net" d=(svg::arrow(self.pixel(centre), self.tip(centre, net))) {}
-            @for ((point, force), contact) in contacts.iter().zip(&pose.forces).zip(&model.contacts) {
-                path class={ "arrow " (side(&model.feet[contact.foot])) }
+            @for ((point, force), &foot) in contacts.iter().zip(&pose.forces).zip(&model.foot_of) {
+                path class={ "arrow " (side(&model.feet[foot])) }
                     d=(svg::arrow(self.pixel(*point), self.tip(*point, *force))) {}
             }
             @for push in &pose.pushes {

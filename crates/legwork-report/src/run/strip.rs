@@ -1,9 +1,9 @@
 //! Poses side by side. Thesis Figure 6.3
 
+use legwork::Robot;
 use legwork::episode::Run;
 use legwork::scenario::Push;
 use legwork::terrain::Terrain;
-use legwork_rbd::Model;
 use maud::html;
 use nalgebra::Vector3;
 
@@ -24,7 +24,7 @@ const GAP: f64 = 8.0;
 pub(super) struct Strip {
     poses: Vec<Pose>,
     skeleton: Skeleton,
-    model: Model,
+    model: Robot,
     ground: Terrain,
     views: Vec<View>,
     height: f64,

@@ -5,6 +5,7 @@ use std::error::Error;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use legwork::Robot;
 use legwork::library::load_model;
 use legwork_rbd::{Base, Body, Joint, Model};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -20,7 +21,7 @@ fn friction(model: &Model) -> f64 {
 }
 
 /// A built-in model or a file below the workspace.
-pub(crate) fn load(name: &str) -> Result<Model, Box<dyn Error>> {
+pub(crate) fn load(name: &str) -> Result<Robot, Box<dyn Error>> {
     let workspace = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
     Ok(load_model(name, Some(&workspace))?)
 }
@@ -34,16 +35,16 @@ pub(crate) fn write(name: &str, stem: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 /// `nc` and `nv`; `joint NAME ACTUATED EFFORT` for each coordinate but a floating base's; `contact LINK FOOT X Y Z` for each point.
-fn list(model: &Model) -> Result<String, std::fmt::Error> {
+fn list(model: &Robot) -> Result<String, std::fmt::Error> {
     let mut text = String::new();
     writeln!(text, "torso {}", model.bodies[model.torso].name)?;
     for dof in model.dofs.iter().skip(floating_dofs(model)) {
         let effort = if dof.effort_limit.is_finite() { dof.effort_limit } else { 1e3 };
         writeln!(text, "joint {} {} {effort}", dof.name, u8::from(dof.actuated))?;
     }
-    for contact in &model.contacts {
+    for (contact, foot) in model.contacts.iter().zip(&model.foot_of) {
         let body = &model.bodies[contact.body].name;
-        writeln!(text, "contact {body} {} {}", contact.foot, numbers(&contact.position))?;
+        writeln!(text, "contact {body} {foot} {}", numbers(&contact.position))?;
     }
     Ok(text)
 }

@@ -7,6 +7,7 @@ use super::{
 };
 use crate::generator::xcom::{eigenfrequency, xcom};
 use crate::log::{Field, Log};
+use crate::robot::Robot;
 use crate::scenario::{GeneratorKind, Push, Scenario};
 use crate::terrain::Terrain;
 
@@ -70,7 +71,7 @@ pub struct Meter {
 
 impl Meter {
     /// A meter for `model` in `scenario`.
-    pub fn new(scenario: &Scenario, model: &Model) -> Self {
+    pub fn new(scenario: &Scenario, model: &Robot) -> Self {
         Self {
             ground: scenario.terrain(model),
             believed: scenario.believed_terrain(model),
@@ -78,7 +79,7 @@ impl Meter {
             gravity: model.gravity,
             limits: StepLimits::of(scenario),
             pushes: scenario.pushes.clone(),
-            foot_of: model.contacts.iter().map(|contact| contact.foot).collect(),
+            foot_of: model.foot_of.clone(),
         }
     }
 

@@ -11,6 +11,7 @@ use crate::generator::xcom;
 use crate::log::{Field, Log};
 use crate::momentum::tasks::{feet, momentum, torso};
 use crate::momentum::{Fallback, Limit, LimitKind, Task};
+use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::terrain::Terrain;
 
@@ -38,7 +39,7 @@ pub(super) struct Saturation {
 /// A log with what is needed to read it.
 pub(super) struct Evidence<'a> {
     pub(super) scenario: &'a Scenario,
-    pub(super) model: &'a Model,
+    pub(super) model: &'a Robot,
     pub(super) log: &'a Log,
     pub(super) stretches: Vec<Stretch>,
     pub(super) saturations: Vec<Saturation>,
@@ -55,7 +56,7 @@ pub(super) struct Evidence<'a> {
 impl<'a> Evidence<'a> {
     pub(super) fn new(
         scenario: &'a Scenario,
-        model: &'a Model,
+        model: &'a Robot,
         log: &'a Log,
         (tasks, limits): (&'a [Task], &[Limit]),
     ) -> Self {
@@ -116,8 +117,8 @@ impl<'a> Evidence<'a> {
     }
 
     pub(super) fn touching(&self, i: usize, foot: usize) -> bool {
-        let points = self.model.contacts.iter().zip(self.log.get(i, Field::Touching));
-        points.filter(|(point, _)| point.foot == foot).any(|(_, &flag)| flag > 0.5)
+        let flags = self.log.get(i, Field::Touching);
+        self.model.points_of(foot).any(|point| flags[point] > 0.5)
     }
 
     /// What a task misses, in its rows; empty where the controller has no such task.

@@ -14,7 +14,7 @@ impl Evidence<'_> {
     pub(super) fn slide(&self, ticks: Range<usize>, foot: usize) -> f64 {
         let loaded = |i: usize| {
             let stands = self.log.get(i, Field::Swing)[0] != foot as f64;
-            let load: f64 = self.points_of(foot).map(|point| self.load(i, point)).sum();
+            let load: f64 = self.model.points_of(foot).map(|point| self.load(i, point)).sum();
             let [friction, believed] = self.friction_below(i, foot);
             stands && load > LOADED * self.weight() && believed > friction
         };
@@ -25,11 +25,6 @@ impl Evidence<'_> {
             (self.point(i + 1, point)[0] - self.point(i, point)[0]).abs() / cos
         };
         ticks.filter(|&i| loaded(i)).map(moved).sum()
-    }
-
-    /// The contact points of a foot.
-    fn points_of(&self, foot: usize) -> impl Iterator<Item = usize> {
-        (0..self.model.contacts.len()).filter(move |&point| self.model.contacts[point].foot == foot)
     }
 
     /// A contact point [m].
@@ -44,7 +39,7 @@ impl Evidence<'_> {
 
     /// The contact point of a foot that carries most: where a foot rolls, the others move without sliding.
     fn bearing(&self, i: usize, foot: usize) -> usize {
-        let most = self.points_of(foot).max_by(|&a, &b| self.load(i, a).total_cmp(&self.load(i, b)));
+        let most = self.model.points_of(foot).max_by(|&a, &b| self.load(i, a).total_cmp(&self.load(i, b)));
         most.expect("a foot has a contact point")
     }
 
@@ -68,7 +63,7 @@ impl Evidence<'_> {
                 let [a, b] = [*a, *b].map(|point| self.point(i, point)[self.axes - 1]);
                 a.total_cmp(&b)
             };
-            let x = self.point(i, self.points_of(foot).min_by(lowest).expect("a foot has a contact point"))[0];
+            let x = self.point(i, self.model.points_of(foot).min_by(lowest).expect("a foot has a contact point"))[0];
             self.ground.height_at(x) - self.believed.base().height_at(x)
         };
         height(1 - foot) - height(foot)

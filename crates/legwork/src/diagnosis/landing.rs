@@ -5,13 +5,12 @@
 //! it, steps that are as long and fast as they can be catch an XcoM up to e∞ past the end of the foot (Koolen et al. 2012).
 //! Places are measured from the end of the sole, in the direction in which the XcoM leaves it.
 
-use legwork_rbd::Model;
-
 use super::evidence::Evidence;
 use crate::balance::{Meter, margin};
 use crate::feet::Sole;
 use crate::generator::walker::{GRID_S, Motion};
 use crate::log::Field;
+use crate::robot::Robot;
 use crate::scenario::{Scenario, WalkerSettings};
 
 /// Largest acceleration on a quintic from rest to rest of 1 m in 1 s [m/s²]: 10/√3.
@@ -57,7 +56,7 @@ pub(super) struct Moment {
 }
 
 impl WalkerSteps {
-    pub(super) fn of(scenario: &Scenario, model: &Model) -> Self {
+    pub(super) fn of(scenario: &Scenario, model: &Robot) -> Self {
         Self { settings: scenario.fitted_reference().walker, sole: Sole::of(model), meter: Meter::new(scenario, model) }
     }
 

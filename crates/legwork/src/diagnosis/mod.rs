@@ -15,10 +15,11 @@ mod reach;
 mod rules;
 mod words;
 
-use legwork_rbd::{Dynamics, Model};
+use legwork_rbd::Dynamics;
 
 use crate::contract::Sensed;
 use crate::feet::pitched;
+use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::terrain::Terrain;
 pub use cause::{Diagnosis, Event, FirstCause, What};
@@ -64,7 +65,7 @@ pub struct Fall {
 /// numbers went out of bounds.
 pub fn fall(
     scenario: &Scenario,
-    (model, dynamics): (&Model, &Dynamics),
+    (model, dynamics): (&Robot, &Dynamics),
     ground: &Terrain,
     truth: &Sensed,
     sound: bool,
@@ -98,7 +99,7 @@ pub fn fall(
     }
     let reference = scenario.controller.planner.torso_angle_deg.to_radians();
     let angle = if model.is_planar() {
-        dynamics.torso_angle(model) - reference
+        model.torso_angle(dynamics, &truth.q) - reference
     } else {
         // Of the torso's upward axis, whatever way it leans; as if counter-clockwise where it leans back.
         let [up, wanted] =

@@ -4,13 +4,12 @@
 //! al. 2012): the step machine by its longest step and its duration, here; the walker, which chooses place and time of each
 //! step, by how far foot and leg reach, in `landing.rs`.
 
-use legwork_rbd::Model;
-
 use super::What;
 use super::evidence::{Evidence, Stretch};
 use super::landing::{Landing, WalkerSteps};
 use crate::generator::{swing, xcom};
 use crate::log::Field;
+use crate::robot::Robot;
 use crate::scenario::{GeneratorKind, Scenario, StepSettings};
 
 /// The longest step that legs make, in heights of the CoM at the start: legs are about 1.05 of them long, and hips let
@@ -33,7 +32,7 @@ pub(super) enum Steps<'a> {
 }
 
 impl<'a> Steps<'a> {
-    pub(super) fn of(scenario: &'a Scenario, model: &Model) -> Self {
+    pub(super) fn of(scenario: &'a Scenario, model: &Robot) -> Self {
         match scenario.reference.generator {
             GeneratorKind::Steps => Self::Machine(&scenario.reference.step),
             GeneratorKind::Walker => Self::Walker(Box::new(WalkerSteps::of(scenario, model))),

@@ -5,7 +5,6 @@
 
 use std::ops::Range;
 
-use legwork_rbd::Model;
 use nalgebra::Vector3;
 
 use super::evidence::{Evidence, Saturation, Stretch};
@@ -15,6 +14,7 @@ use super::{Cause, Diagnosis, Event, Fall, FirstCause, What, words};
 use crate::log::{Field, Log};
 use crate::momentum::Fallback;
 use crate::momentum::{Limit, Task};
+use crate::robot::Robot;
 use crate::scenario::{ContactModel, Push, Scenario};
 
 /// What slid or saturated first is looked for from this long before the window on [s]: about a step earlier.
@@ -60,7 +60,7 @@ const NEEDED: [Field; 9] = [
 ];
 
 /// Why the robot of `scenario` fell; `log` is that of the whole run, with the tasks and the limits of its controller.
-pub fn diagnose(scenario: &Scenario, model: &Model, fall: &Fall, log: &Log, told: (&[Task], &[Limit])) -> Diagnosis {
+pub fn diagnose(scenario: &Scenario, model: &Robot, fall: &Fall, log: &Log, told: (&[Task], &[Limit])) -> Diagnosis {
     let the_fall = Event { time: fall.time, what: What::Fell };
     // A controller or a physics of another kind may not tell what the rules ask for.
     if log.is_empty() || NEEDED.iter().any(|field| log.range(*field).is_empty()) {

@@ -13,6 +13,7 @@ use crate::contract::Sensed;
 use crate::error::Error;
 use crate::generator::{self, Generator, Observation, Surroundings};
 use crate::momentum::MomentumController;
+use crate::robot::Robot;
 use crate::sim::Simulator;
 use crate::terrain::Terrain;
 use crate::wearer::{self, PERSON};
@@ -160,7 +161,7 @@ impl Scenario {
     ///
     /// # Errors
     /// The robot is none that the generator can move, or the CoM trajectory is not valid.
-    pub fn generator(&self, model: &Model, samples: &[[f64; 3]], start: &Sensed) -> Result<Box<dyn Generator>, Error> {
+    pub fn generator(&self, model: &Robot, samples: &[[f64; 3]], start: &Sensed) -> Result<Box<dyn Generator>, Error> {
         let around = Surroundings {
             model,
             terrain: &self.believed_terrain(model),
@@ -176,7 +177,7 @@ impl Scenario {
     /// Those of [`Scenario::generator`].
     pub fn momentum_controller(
         &self,
-        model: &Model,
+        model: &Robot,
         samples: &[[f64; 3]],
         start: &Sensed,
     ) -> Result<MomentumController, Error> {
@@ -184,7 +185,7 @@ impl Scenario {
     }
 
     /// The momentum controller for the robot `model`, which follows a `generator`.
-    pub fn momentum_controller_after(&self, model: &Model, generator: Box<dyn Generator>) -> MomentumController {
+    pub fn momentum_controller_after(&self, model: &Robot, generator: Box<dyn Generator>) -> MomentumController {
         MomentumController::new(&wearer::controller(self, model), model, &self.believed_terrain(model), generator)
     }
 

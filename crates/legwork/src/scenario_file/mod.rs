@@ -12,11 +12,11 @@ mod write;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use legwork_rbd::Model;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
 use crate::library::{self, Kind, load_model, load_samples, model_text};
+use crate::robot::Robot;
 use crate::scenario::{Scenario, TrajectoryKind};
 use crate::settings::{Setting, at, tree};
 use crate::wearer;
@@ -40,7 +40,7 @@ impl Loaded {
     ///
     /// # Errors
     /// As [`load_model`] and [`wearer::fit`].
-    pub fn model(&self) -> Result<Model, Error> {
+    pub fn model(&self) -> Result<Robot, Error> {
         let fitted = load_model(&self.scenario.model, self.folder.as_deref()).and_then(|mut model| {
             wearer::fit(&mut model, &self.scenario.wearer, &self.scenario.exoskeleton)?;
             Ok(model)

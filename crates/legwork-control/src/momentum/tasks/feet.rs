@@ -2,13 +2,14 @@
 
 use std::ops::Range;
 
-use legwork_rbd::{Dynamics, Model};
+use legwork_rbd::Dynamics;
 use nalgebra::{DMatrix, DVector};
 
 use super::super::Inputs;
 use super::{Law, Part, Seen, damping};
 use crate::settings::{Tracking, TrackingSettings};
 use legwork_contract::feet::{FeetMotion, FootRows, Footing, rotated, rotation_error};
+use legwork_contract::robot::Robot;
 
 /// The task's name.
 pub const NAME: &str = "feet";
@@ -22,7 +23,7 @@ impl Law for Feet {
         NAME
     }
 
-    fn parts(&self, model: &Model) -> Vec<Part> {
+    fn parts(&self, model: &Robot) -> Vec<Part> {
         let mut parts = Vec::new();
         for (foot, rows) in model.feet.iter().zip(FootRows::of(model)) {
             if !rows.angular.is_empty() {

@@ -19,13 +19,14 @@ use crate::generator::Reference;
 use crate::settings::{ControllerSettings, Damping, PlannerSettings, Tracking, TrackingSettings};
 use legwork_contract::feet::FeetMotion;
 use legwork_contract::names;
+use legwork_contract::robot::Robot;
 
 /// The tasks that `settings` ask for, in the order of their rows. Thesis (B.1): momentum, feet, torso.
-pub fn laws(settings: &ControllerSettings, model: &Model) -> Vec<Box<dyn Law>> {
+pub fn laws(settings: &ControllerSettings, model: &Robot) -> Vec<Box<dyn Law>> {
     let mut all: Vec<Box<dyn Law>> = vec![
         Box::new(momentum::Momentum),
         Box::new(feet::Feet),
-        Box::new(torso::Torso),
+        Box::new(torso::Torso::new(model)),
         Box::new(posture::Posture::new(model)),
     ];
     all.retain(|law| law.how(&settings.tracking) != Tracking::Off);
@@ -38,7 +39,7 @@ pub trait Law: CloneLaw + Debug + Send + Sync {
     fn name(&self) -> &'static str;
 
     /// The task's rows, in their order.
-    fn parts(&self, model: &Model) -> Vec<Part>;
+    fn parts(&self, model: &Robot) -> Vec<Part>;
 
     /// Whether the task is a cost, an equality, or not there at all.
     fn how(&self, tracking: &TrackingSettings) -> Tracking;
@@ -75,7 +76,7 @@ impl Clone for Box<dyn Law> {
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<'a> {
     /// The robot.
-    pub model: &'a Model,
+    pub model: &'a Robot,
     /// Its dynamics in the present state.
     pub dynamics: &'a Dynamics,
     /// The feet in the present state.
@@ -100,7 +101,7 @@ pub struct Aim {
 }
 
 impl Aim {
-    pub(crate) fn new(law: Box<dyn Law>, model: &Model) -> Self {
+    pub(crate) fn new(law: Box<dyn Law>, model: &Robot) -> Self {
         Self { goal: vec![0.0; height(&law.parts(model))], law }
     }
 }
@@ -151,7 +152,7 @@ pub struct Task {
 
 impl Task {
     /// The task of `law`, with its rows from 0 on and no place in the program yet.
-    pub(super) fn new(law: &dyn Law, settings: &ControllerSettings, model: &Model) -> Self {
+    pub(super) fn new(law: &dyn Law, settings: &ControllerSettings, model: &Robot) -> Self {
         let parts = law.parts(model);
         let (name, how, rows) = (law.name(), law.how(&settings.tracking), 0..height(&parts));
         Self { name, how, rows, parts, constraints: 0..0, variables: 0..0 }

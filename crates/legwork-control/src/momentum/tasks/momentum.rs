@@ -2,13 +2,14 @@
 
 use std::ops::Range;
 
-use legwork_rbd::{Dynamics, Model};
+use legwork_rbd::Dynamics;
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::super::Inputs;
 use super::{Law, Part, Seen, damping};
 use crate::settings::{Tracking, TrackingSettings};
 use legwork_contract::feet::FeetMotion;
+use legwork_contract::robot::Robot;
 
 /// The task's name.
 pub const NAME: &str = "momentum";
@@ -22,7 +23,7 @@ impl Law for Momentum {
         NAME
     }
 
-    fn parts(&self, model: &Model) -> Vec<Part> {
+    fn parts(&self, model: &Robot) -> Vec<Part> {
         vec![
             Part::angular(model, "momentum rate, angular", "Nm", "", ".angular"),
             Part::linear(model, "momentum rate, linear", "N", "", ".linear"),

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use legwork_contract::feet::FeetMotion;
+use legwork_contract::robot::Robot;
 use legwork_rbd::{Dynamics, Model};
 use nalgebra::{DMatrix, DVector};
 
@@ -44,7 +45,7 @@ impl Law for Posture {
         NAME
     }
 
-    fn parts(&self, model: &Model) -> Vec<Part> {
+    fn parts(&self, model: &Robot) -> Vec<Part> {
         let part = |dof: usize| {
             let joint = &model.dofs[dof];
             let (quantity, unit) = if joint.rotational { ("posture", "rad/s2") } else { ("posture", "m/s2") };

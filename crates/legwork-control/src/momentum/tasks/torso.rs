@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use legwork_rbd::{Dynamics, Model};
+use legwork_rbd::Dynamics;
 use nalgebra::{DMatrix, DVector};
 
 use super::super::Inputs;
@@ -10,20 +10,33 @@ use super::{Law, Part, Seen, damping};
 use crate::generator::TurnReference;
 use crate::settings::{Tracking, TrackingSettings};
 use legwork_contract::feet::{FeetMotion, rotated, rotation_error};
+use legwork_contract::robot::Robot;
 
 /// The task's name.
 pub const NAME: &str = "torso";
 
 /// The angular acceleration of the torso [rad/s²].
-#[derive(Clone, Copy, Debug)]
-pub struct Torso;
+#[derive(Clone, Debug)]
+pub struct Torso {
+    /// `S_c`, and `Ṡ_c q̇`.
+    jacobian: DMatrix<f64>,
+    bias: DVector<f64>,
+}
+
+impl Torso {
+    /// The task of `robot`.
+    pub fn new(robot: &Robot) -> Self {
+        let rows = robot.angular_axes().len();
+        Self { jacobian: DMatrix::zeros(rows, robot.nv()), bias: DVector::zeros(rows) }
+    }
+}
 
 impl Law for Torso {
     fn name(&self) -> &'static str {
         NAME
     }
 
-    fn parts(&self, model: &Model) -> Vec<Part> {
+    fn parts(&self, model: &Robot) -> Vec<Part> {
         vec![Part::angular(model, "torso", "rad/s2", "", "")]
     }
 
@@ -32,25 +45,28 @@ impl Law for Torso {
     }
 
     fn plan(&mut self, seen: &Seen<'_>, goal: &mut [f64]) {
-        let Seen { model, dynamics, v, settings, .. } = *seen;
+        let Seen { model, dynamics, q, v, settings, .. } = *seen;
+        dynamics.angular_jacobian(model, model.torso, &mut self.jacobian);
+        let bias = dynamics.angular_bias(model.torso);
         // Thesis (4.6), as meant: position and velocity of the torso, not its acceleration. In space its rotation vector.
         let torso = &seen.reference.chest.turn;
         let turn = if model.is_planar() {
-            TurnReference::pitch(torso.in_plane()[0] - dynamics.torso_angle(model), 0.0, 0.0).turn
+            TurnReference::pitch(torso.in_plane()[0] - model.torso_angle(dynamics, q), 0.0, 0.0).turn
         } else {
             rotation_error(&dynamics.world_from_body[model.torso].rotation, &rotated(&torso.turn))
         };
         let torso_damping = damping(settings, 1.0, settings.torso_gain);
         for (row, axis) in model.angular_axes().iter().enumerate() {
-            let velocity: f64 = (0..v.len()).map(|j| dynamics.torso_jacobian[(row, j)] * v[j]).sum();
+            self.bias[row] = axis.dot(&bias);
+            let velocity: f64 = (0..v.len()).map(|j| self.jacobian[(row, j)] * v[j]).sum();
             goal[row] = settings.torso_gain * axis.dot(&turn)
                 + torso_damping * (axis.dot(&torso.velocity) - velocity)
                 + axis.dot(&torso.acceleration);
         }
     }
 
-    fn motion<'a>(&'a self, dynamics: &'a Dynamics, _: &'a FeetMotion) -> (&'a DMatrix<f64>, &'a DVector<f64>) {
-        (&dynamics.torso_jacobian, &dynamics.torso_bias)
+    fn motion<'a>(&'a self, _: &'a Dynamics, _: &'a FeetMotion) -> (&'a DMatrix<f64>, &'a DVector<f64>) {
+        (&self.jacobian, &self.bias)
     }
 
     fn weigh(&self, inputs: &Inputs<'_>, goal: &[f64], add: &mut dyn FnMut(Range<usize>, f64)) {

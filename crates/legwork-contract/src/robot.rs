@@ -1,0 +1,175 @@
+//! The robot: a model of its dynamics, and which parts of it are torso and feet.
+
+use std::ops::{Deref, DerefMut};
+use std::path::Path;
+
+use legwork_rbd::{Base, Dynamics, Joint, Model, ModelError, Revolute, Roles};
+
+/// A [`Model`] whose parts have roles. It dereferences to the model, so that `&robot` serves wherever a `&Model` is wanted.
+///
+/// Through the mutable dereference the model's numbers may be changed (a mass, a limit, a contact's place), as those of any
+/// [`Model`]; bodies and contact points may neither come nor go, for the roles are told by their indices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Robot {
+    model: Model,
+    /// The body whose orientation is the robot's posture, in [`Model::bodies`].
+    pub torso: usize,
+    /// The feet's names, right before left in the project's own models.
+    pub feet: Vec<String>,
+    /// The foot that each contact point belongs to, in `feet`; in the order of [`Model::contacts`].
+    pub foot_of: Vec<usize>,
+}
+
+impl Deref for Robot {
+    type Target = Model;
+    fn deref(&self) -> &Model {
+        &self.model
+    }
+}
+
+impl DerefMut for Robot {
+    fn deref_mut(&mut self) -> &mut Model {
+        &mut self.model
+    }
+}
+
+impl Robot {
+    /// Gives the parts of `model` their `roles`. Without a torso the root link is the torso; a contact point without a foot
+    /// is one; without `feet` their order is that of the contact points.
+    ///
+    /// # Errors
+    /// If a role names a part that there is not, or a foot has no contact point or is named twice.
+    pub fn new(model: Model, roles: &Roles) -> Result<Self, ModelError> {
+        let invalid = |line: Option<usize>, subject: &str, problem: String| {
+            Err(ModelError::Invalid { file: roles.file.clone(), line, subject: subject.to_owned(), problem })
+        };
+        let mut feet = roles.feet.clone().unwrap_or_default();
+        if let Some(twice) = (0..feet.len()).find(|&i| feet[..i].contains(&feet[i])) {
+            return invalid(None, "feet", format!("{:?} is given twice", feet[twice]));
+        }
+        let mut foot_of = Vec::with_capacity(model.nc());
+        for (index, contact) in model.contacts.iter().enumerate() {
+            let name = roles.foot.get(index).and_then(Option::as_ref).unwrap_or(&contact.name);
+            let foot = feet.iter().position(|foot| foot == name).unwrap_or(feet.len());
+            if foot == feet.len() {
+                if roles.feet.is_some() {
+                    let problem = format!("unknown foot {name:?}; valid are {}", feet.join(", "));
+                    let line = roles.lines.get(index).copied().flatten();
+                    return invalid(line, &format!("contact {:?}", contact.name), problem);
+                }
+                feet.push(name.clone());
+            }
+            foot_of.push(foot);
+        }
+        if let Some(idle) = (0..feet.len()).find(|foot| !foot_of.contains(foot)) {
+            return invalid(None, "feet", format!("{:?} has no contact point", feet[idle]));
+        }
+        let links = || model.bodies.iter().skip(model.root()).map(|body| body.name.as_str());
+        let name = roles.torso.as_deref();
+        let Some(torso) = links().position(|link| name.is_none_or(|name| link == name)) else {
+            let valid = links().take(30).collect::<Vec<_>>().join(", ");
+            let rest = if links().count() > 30 { ", …" } else { "" };
+            let problem = format!("unknown body {:?}; valid are {valid}{rest}", name.unwrap_or_default());
+            return invalid(None, "torso", problem);
+        };
+        Ok(Self { torso: model.root() + torso, model, feet, foot_of })
+    }
+
+    /// Reads a robot from a `.toml` or `.urdf` file, as [`Model::load`] does.
+    ///
+    /// # Errors
+    /// Those of [`Model::load`] and [`Robot::new`].
+    pub fn load(path: &Path) -> Result<Self, ModelError> {
+        Self::load_with_base(path, None)
+    }
+
+    /// As [`Robot::load`], with another base than the file names.
+    ///
+    /// # Errors
+    /// As [`Robot::load`].
+    pub fn load_with_base(path: &Path, base: Option<Base>) -> Result<Self, ModelError> {
+        let (model, roles) = Model::load_with_roles(path, base)?;
+        Self::new(model, &roles)
+    }
+
+    /// Reads a robot from TOML; `file_name` is used in messages only.
+    ///
+    /// # Errors
+    /// Those of [`Model::from_toml`] and [`Robot::new`].
+    pub fn from_toml(text: &str, file_name: &str) -> Result<Self, ModelError> {
+        Self::from_toml_with_base(text, file_name, None)
+    }
+
+    /// As [`Robot::from_toml`], with another base than the text names.
+    ///
+    /// # Errors
+    /// As [`Robot::from_toml`].
+    pub fn from_toml_with_base(text: &str, file_name: &str, base: Option<Base>) -> Result<Self, ModelError> {
+        let (model, roles) = Model::from_toml_with_roles(text, file_name, base)?;
+        Self::new(model, &roles)
+    }
+
+    /// Reads a robot from URDF and the text beside it, as [`Model::from_urdf`] does.
+    ///
+    /// # Errors
+    /// Those of [`Model::from_urdf`] and [`Robot::new`].
+    pub fn from_urdf(
+        text: &str,
+        file_name: &str,
+        sidecar: Option<(&str, &str)>,
+        base: Option<Base>,
+    ) -> Result<Self, ModelError> {
+        let (model, roles) = Model::from_urdf_with_roles(text, file_name, sidecar, base)?;
+        Self::new(model, &roles)
+    }
+
+    /// The complete robot in the TOML format, as [`Model::to_toml`] has its model.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        self.model.to_toml_with_roles(&Roles {
+            torso: Some(self.bodies[self.torso].name.clone()),
+            feet: Some(self.feet.clone()),
+            foot: self.foot_of.iter().map(|&foot| Some(self.feet[foot].clone())).collect(),
+            ..Roles::default()
+        })
+    }
+
+    /// What is odd about the robot without being impossible, one sentence each: [`Model::warnings`], and about its feet.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let scattered = |foot: usize| {
+            let bodies: Vec<usize> = self.points_of(foot).map(|point| self.contacts[point].body).collect();
+            bodies.windows(2).any(|pair| pair[0] != pair[1])
+        };
+        let feet = (0..self.feet.len()).filter(|&foot| scattered(foot));
+        let odd = feet.map(|foot| format!("the contact points of {:?} are on different bodies", self.feet[foot]));
+        self.model.warnings().into_iter().chain(odd).collect()
+    }
+
+    /// The contact points of a foot, by their place in [`Model::contacts`].
+    pub fn points_of(&self, foot: usize) -> impl Iterator<Item = usize> + '_ {
+        (0..self.foot_of.len()).filter(move |&point| self.foot_of[point] == foot)
+    }
+
+    /// The torso's posture [rad] at the position `q` (nq), which is that of `dynamics`: by how much it is turned from its
+    /// orientation at the zero position.
+    ///
+    /// In the plane the angle about −y, as the sum of the joint angles that lead to the torso, hence without jumps at
+    /// ±π. Otherwise the elevation of the torso's x axis above the horizontal, from −π/2 to π/2.
+    #[must_use]
+    pub fn torso_angle(&self, dynamics: &Dynamics, q: &[f64]) -> f64 {
+        if self.is_planar() {
+            return self.turn(self.torso, dynamics, q);
+        }
+        let x = dynamics.world_from_body[self.torso].rotation.column(0).into_owned();
+        libm::atan2(x.z, libm::hypot(x.x, x.y))
+    }
+
+    /// The sum of the angles about −y from the base to `body`.
+    fn turn(&self, body: usize, dynamics: &Dynamics, q: &[f64]) -> f64 {
+        let before = self.bodies[body].parent.map_or(0.0, |parent| self.turn(parent, dynamics, q));
+        let Joint::Revolute(Revolute { axis }) = &self.bodies[body].joint else { return before };
+        let about_y = (dynamics.world_from_body[body].rotation * axis.as_ref()).y.signum();
+        before - about_y * q[self.bodies[body].q_index]
+    }
+}
