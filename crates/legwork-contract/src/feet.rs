@@ -67,7 +67,19 @@ impl Footing {
     }
 }
 
-/// The sole of a foot with several contact points, along the foot from below its joint [m].
+/// Takes a vector from the axes of `body` to the robot's with all joints at zero: x ahead, y left, z up, those of the torso. In the
+/// plane the axes of all bodies are these.
+fn robot_from_body(model: &Model, body: usize) -> Matrix3<f64> {
+    if model.is_planar() {
+        return Matrix3::identity();
+    }
+    let mut dynamics = Dynamics::new(model);
+    dynamics.update(model, model.neutral().as_slice(), &vec![0.0; model.nv()]);
+    let [torso, body] = [model.torso, body].map(|body| dynamics.world_from_body[body].rotation);
+    torso.transpose() * body
+}
+
+/// The sole of a foot with several contact points, along the walking direction from below its joint [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sole {
     /// Place of the heel, negative.
@@ -81,7 +93,9 @@ pub struct Sole {
 impl Sole {
     /// The sole of the feet of `model`, that of its first foot.
     pub fn of(model: &Model) -> Self {
-        let points = || model.contacts.iter().filter(|contact| contact.foot == 0).map(|contact| contact.position);
+        let of_first = || model.contacts.iter().filter(|contact| contact.foot == 0);
+        let turn = of_first().next().map_or_else(Matrix3::identity, |contact| robot_from_body(model, contact.body));
+        let points = || of_first().map(|contact| turn * contact.position);
         Self {
             heel: points().map(|point| point.x).fold(f64::INFINITY, f64::min),
             toe: points().map(|point| point.x).fold(f64::NEG_INFINITY, f64::max),
@@ -103,6 +117,8 @@ struct Foot {
     /// Those at the heel, and those at the toe.
     ends: [Vec<usize>; 2],
     rows: FootRows,
+    /// The walking direction along the body's axes; none in the plane, where it is that of x.
+    forward: Option<Vector3<f64>>,
 }
 
 impl Foot {
@@ -141,12 +157,15 @@ impl FeetMotion {
         let foot = |(index, rows): (usize, FootRows)| {
             let contacts: Vec<usize> =
                 (0..model.contacts.len()).filter(|&contact| model.contacts[contact].foot == index).collect();
-            let place = |&contact: &usize| model.contacts[contact].position.x;
+            let body = contacts.first().map_or(0, |&contact| model.contacts[contact].body);
+            let turn = robot_from_body(model, body);
+            let place = |&contact: &usize| (turn * model.contacts[contact].position).x;
             let ends = [-1.0, 1.0].map(|side| {
                 let far = contacts.iter().map(|contact| side * place(contact)).fold(f64::NEG_INFINITY, f64::max);
                 contacts.iter().copied().filter(|contact| side * place(contact) > far - 1e-3).collect()
             });
-            Foot { body: contacts.first().map_or(0, |&contact| model.contacts[contact].body), contacts, ends, rows }
+            let forward = (!model.is_planar()).then(|| turn.row(0).transpose());
+            Foot { body, contacts, ends, rows, forward }
         };
         let feet: Vec<Foot> = FootRows::of(model).into_iter().enumerate().map(foot).collect();
         let (count, rows) = (feet.len(), FootRows::count(model));
@@ -183,6 +202,19 @@ impl FeetMotion {
     #[inline]
     pub fn ends(&self, foot: usize) -> &[Vec<usize>; 2] {
         &self.feet[foot].ends
+    }
+
+    /// Where a foot points in the world: the walking direction along its body, a unit vector; in the plane the body's x axis.
+    #[inline]
+    pub fn forward(&self, foot: usize) -> Vector3<f64> {
+        let rotation = &self.rotation[foot];
+        self.feet[foot].forward.map_or_else(|| rotation.column(0).into_owned(), |forward| rotation * forward)
+    }
+
+    /// The walking direction of a foot, a horizontal unit vector: that of x in the plane.
+    #[inline]
+    pub fn ahead(&self, foot: usize) -> Vector3<f64> {
+        if self.feet[foot].forward.is_none() { Vector3::x() } else { level(&self.forward(foot)) }
     }
 
     /// Takes the feet from the `dynamics` of `model`. Allocates nothing.
@@ -224,6 +256,17 @@ impl FeetMotion {
             }
         }
     }
+}
+
+/// The horizontal unit vector along `forward`; x where that is vertical.
+pub fn level(forward: &Vector3<f64>) -> Vector3<f64> {
+    let length = libm::hypot(forward.x, forward.y);
+    if length > 1e-9 { Vector3::new(forward.x / length, forward.y / length, 0.0) } else { Vector3::x() }
+}
+
+/// The rotation that takes x to the horizontal unit vector `ahead`, about z.
+pub fn headed(ahead: &Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::new(ahead.x, -ahead.y, 0.0, ahead.y, ahead.x, 0.0, 0.0, 0.0, 1.0)
 }
 
 /// The rotation vector, in the world [rad], that turns `from` into `to`.
