@@ -26,12 +26,12 @@ pub fn way_out(points: impl Iterator<Item = Point> + Clone, place: Point) -> Opt
     let less = |a: Point, b: Point| [a[0] - b[0], a[1] - b[1]];
     let unit = |way: Point| {
         let length = libm::hypot(way[0], way[1]);
-        (length > 0.0).then(|| (length, way.map(|part| part / length)))
+        (length > ONE).then(|| (length, way.map(|part| part / length)))
     };
     // By the distance to the nearest point of an edge that it is outside of, else by that to the nearest edge.
     let (mut outside, mut inside): (Option<(f64, Point)>, Option<(f64, Point)>) = (None, None);
     for (from, to) in points.clone().flat_map(|from| points.clone().map(move |to| (from, to))) {
-        let Some((length, edge)) = unit(less(to, from)).filter(|(length, _)| *length > ONE) else { continue };
+        let Some((length, edge)) = unit(less(to, from)) else { continue };
         let normal = [edge[1], -edge[0]];
         if points.clone().any(|other| along(normal, less(other, from)) > ONE) {
             continue;

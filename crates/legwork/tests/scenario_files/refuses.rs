@@ -46,7 +46,9 @@ fn wrong_types() {
     refuses(
         "ground = 3\n",
         "my.toml:1: ground",
-        &["found 3; valid is a table with the keys cross_slope_deg, friction, known, patches, profile, relief_known, slope_deg"],
+        &[
+            "found 3; valid is a table with the keys cross_slope_deg, friction, known, patches, profile, relief_known, slope_deg",
+        ],
     );
     refuses("[[ground]]\nknown = true\n", "my.toml:1: ground", &["found a list; valid is a table"]);
     let rows = "reference.com.waypoints = [\n[0, 0, 0.9],\n[1, 0],\n]\n";
