@@ -65,7 +65,8 @@ pub enum Field {
     /// there is none, those that belong to the CoM's reference [m]. Then the measures of balance: centre of
     /// pressure, zero-moment point, that of the momentum rate that the planner wants, centroidal moment pivot, margin of the
     /// XcoM to the base of support [m], each as in the tick before where there is none, and the number of steps to a stop,
-    /// -1 where no number is enough. Forces and rates are means of the control period after the tick.
+    /// -1 where no number is enough; of a robot in space the same places along y after these. Forces and rates are means of the
+    /// control period after the tick.
     Balance,
     /// Whatever else a controller writes down.
     OfController,

@@ -2,7 +2,7 @@
 //! cone. No solver.
 
 use legwork_rbd::Model;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 /// An inclined plane with Coulomb friction: the ground at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,26 +13,37 @@ pub struct Surface {
     pub slope: f64,
     /// Unit normal, out of the ground.
     pub normal: Vector3<f64>,
-    /// Unit tangents; a planar robot has the first alone.
+    /// How far that is turned about the second tangent from upright: the slope, where the ground is level across [rad].
+    pub turn: f64,
+    /// Unit tangents, the second along the line of constant x; a planar robot has the first alone.
     tangents: [Vector3<f64>; 2],
     axes: usize,
 }
 
 impl Surface {
-    /// The plane as `model` meets it.
-    pub fn new(model: &Model, friction: f64, slope: f64) -> Self {
-        let axes = if model.is_planar() { 1 } else { 2 };
-        let level = Self { friction, slope: 0.0, normal: Vector3::z(), tangents: [Vector3::x(), Vector3::y()], axes };
-        level.inclined(slope)
+    /// The plane as `model` meets it, with its slopes upward in x and in y [rad]; a planar robot meets none across.
+    pub fn new(model: &Model, friction: f64, [slope, cross_slope]: [f64; 2]) -> Self {
+        let (axes, cross_slope) = if model.is_planar() { (1, 0.0) } else { (2, cross_slope) };
+        let (rise, along) = libm::sincos(cross_slope);
+        let tangents = [Vector3::x(), Vector3::new(0.0, along, rise)];
+        Self { friction, slope, normal: Vector3::z(), turn: 0.0, tangents, axes }.inclined(slope)
     }
 
-    /// The same with another slope [rad].
+    /// The same with another slope upward in x [rad].
     #[must_use]
     pub fn inclined(&self, slope: f64) -> Self {
-        let (sin, cos) = libm::sincos(slope);
-        // Thesis (4.12) and (4.15): P_n and P_t.
-        let normal = Vector3::new(-sin, 0.0, cos);
-        Self { slope, normal, tangents: [Vector3::new(cos, 0.0, sin), Vector3::y()], ..*self }
+        let across = self.tangents[1];
+        let turn = if across.z == 0.0 { slope } else { libm::atan(libm::tan(slope) * across.y) };
+        let (sin, cos) = libm::sincos(turn);
+        // Thesis (4.12) and (4.15): P_n and P_t, turned about the line of constant x. The differences from zero keep its sign.
+        let normal = Vector3::new(-sin, 0.0 - cos * across.z, cos * across.y);
+        let tangent = Vector3::new(cos, 0.0 - sin * across.z, sin * across.y);
+        Self { slope, normal, turn, tangents: [tangent, across], ..*self }
+    }
+
+    /// The orientation of what lies on it: its axes are both tangents and the normal.
+    pub fn rotation(&self) -> Matrix3<f64> {
+        Matrix3::from_columns(&[self.tangents[0], self.tangents[1], self.normal])
     }
 
     /// Unit tangents: one for a planar robot, two for a spatial one.
@@ -41,10 +52,17 @@ impl Surface {
         &self.tangents[..self.axes]
     }
 
-    /// Height at `x` of the plane through the world's origin [m].
+    /// How the plane rises with x and with y.
     #[inline]
-    pub fn height_at(&self, x: f64) -> f64 {
-        -self.normal.x / self.normal.z * x
+    pub fn steepness(&self) -> [f64; 2] {
+        [-self.normal.x / self.normal.z, -self.normal.y / self.normal.z]
+    }
+
+    /// Height at `(x, y)` of the plane through the world's origin [m].
+    #[inline]
+    pub fn height_at(&self, x: f64, y: f64) -> f64 {
+        let [along, across] = self.steepness();
+        along * x + across * y
     }
 
     /// The directions of contact coordinates: the tangents, then the normal.

@@ -68,7 +68,19 @@ impl Footing {
     }
 }
 
-/// The sole of a foot with several contact points, along the foot from below its joint [m].
+/// Takes a vector from the axes of `body` to the robot's with all joints at zero: x ahead, y left, z up, those of the torso. In the
+/// plane the axes of all bodies are these.
+fn robot_from_body(model: &Robot, body: usize) -> Matrix3<f64> {
+    if model.is_planar() {
+        return Matrix3::identity();
+    }
+    let mut dynamics = Dynamics::new(model);
+    dynamics.update(model, model.neutral().as_slice(), &vec![0.0; model.nv()]);
+    let [torso, body] = [model.torso, body].map(|body| dynamics.world_from_body[body].rotation);
+    torso.transpose() * body
+}
+
+/// The sole of a foot with several contact points, along the walking direction from below its joint [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sole {
     /// Place of the heel, negative.
@@ -82,7 +94,11 @@ pub struct Sole {
 impl Sole {
     /// The sole of the feet of `robot`, that of its first foot.
     pub fn of(robot: &Robot) -> Self {
-        let points = || robot.points_of(0).map(|point| robot.contacts[point].position);
+        let turn = robot
+            .points_of(0)
+            .next()
+            .map_or_else(Matrix3::identity, |point| robot_from_body(robot, robot.contacts[point].body));
+        let points = || robot.points_of(0).map(|point| turn * robot.contacts[point].position);
         Self {
             heel: points().map(|point| point.x).fold(f64::INFINITY, f64::min),
             toe: points().map(|point| point.x).fold(f64::NEG_INFINITY, f64::max),
@@ -104,6 +120,8 @@ struct Foot {
     /// Those at the heel, and those at the toe.
     ends: [Vec<usize>; 2],
     rows: FootRows,
+    /// The walking direction along the body's axes; none in the plane, where it is that of x.
+    forward: Option<Vector3<f64>>,
 }
 
 impl Foot {
@@ -141,12 +159,15 @@ impl FeetMotion {
     pub fn new(robot: &Robot) -> Self {
         let foot = |(index, rows): (usize, FootRows)| {
             let contacts: Vec<usize> = robot.points_of(index).collect();
-            let place = |&contact: &usize| robot.contacts[contact].position.x;
+            let body = contacts.first().map_or(0, |&contact| robot.contacts[contact].body);
+            let turn = robot_from_body(robot, body);
+            let place = |&contact: &usize| (turn * robot.contacts[contact].position).x;
             let ends = [-1.0, 1.0].map(|side| {
                 let far = contacts.iter().map(|contact| side * place(contact)).fold(f64::NEG_INFINITY, f64::max);
                 contacts.iter().copied().filter(|contact| side * place(contact) > far - 1e-3).collect()
             });
-            Foot { body: contacts.first().map_or(0, |&contact| robot.contacts[contact].body), contacts, ends, rows }
+            let forward = (!robot.is_planar()).then(|| turn.row(0).transpose());
+            Foot { body, contacts, ends, rows, forward }
         };
         let feet: Vec<Foot> = FootRows::of(robot).into_iter().enumerate().map(foot).collect();
         let (count, rows) = (feet.len(), FootRows::count(robot));
@@ -183,6 +204,19 @@ impl FeetMotion {
     #[inline]
     pub fn ends(&self, foot: usize) -> &[Vec<usize>; 2] {
         &self.feet[foot].ends
+    }
+
+    /// Where a foot points in the world: the walking direction along its body, a unit vector; in the plane the body's x axis.
+    #[inline]
+    pub fn forward(&self, foot: usize) -> Vector3<f64> {
+        let rotation = &self.rotation[foot];
+        self.feet[foot].forward.map_or_else(|| rotation.column(0).into_owned(), |forward| rotation * forward)
+    }
+
+    /// The walking direction of a foot, a horizontal unit vector: that of x in the plane.
+    #[inline]
+    pub fn ahead(&self, foot: usize) -> Vector3<f64> {
+        if self.feet[foot].forward.is_none() { Vector3::x() } else { level(&self.forward(foot)) }
     }
 
     /// Takes the feet from the `dynamics` of `model`. Allocates nothing.
@@ -224,6 +258,17 @@ impl FeetMotion {
             }
         }
     }
+}
+
+/// The horizontal unit vector along `forward`; x where that is vertical.
+pub fn level(forward: &Vector3<f64>) -> Vector3<f64> {
+    let length = libm::hypot(forward.x, forward.y);
+    if length > 1e-9 { Vector3::new(forward.x / length, forward.y / length, 0.0) } else { Vector3::x() }
+}
+
+/// The rotation that takes x to the horizontal unit vector `ahead`, about z.
+pub fn headed(ahead: &Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::new(ahead.x, -ahead.y, 0.0, ahead.y, ahead.x, 0.0, 0.0, 0.0, 1.0)
 }
 
 /// The rotation vector, in the world [rad], that turns `from` into `to`.

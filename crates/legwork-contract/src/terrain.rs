@@ -1,7 +1,8 @@
 //! The ground: an inclined plane, what rises from it, and where it holds better or worse.
 //!
-//! Heights depend on x alone and are linear between knots, so that a point on it touches one straight piece. Controller and
-//! simulator each have their own: what the controller is not told it does not know.
+//! The plane may incline along x and along y. What rises from it and where it holds otherwise depend on x alone; heights are
+//! linear between knots, so that a point touches one straight piece. Controller and simulator each have their own ground: what
+//! the controller is not told it does not know.
 
 use legwork_rbd::Model;
 use nalgebra::Vector3;
@@ -48,6 +49,25 @@ impl Line {
     }
 }
 
+/// A piece of the ground through the world's point `(x, y, z)` [m], flat along x and y.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Plane {
+    /// A place on it.
+    pub place: [f64; 2],
+    /// Its height there.
+    pub z: f64,
+    /// How it rises with x and with y.
+    pub steepness: [f64; 2],
+}
+
+impl Plane {
+    /// Height at a place [m].
+    #[inline]
+    pub fn at(&self, [x, y]: [f64; 2]) -> f64 {
+        self.z + self.steepness[0] * (x - self.place[0]) + self.steepness[1] * (y - self.place[1])
+    }
+}
+
 /// Ground: an inclined plane through the origin with Coulomb friction, and what differs from it; see
 /// [`Terrain`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -57,7 +77,9 @@ pub struct Ground {
     pub friction: f64,
     /// Slope, upward in x [deg].
     pub slope_deg: f64,
-    /// Whether the controller is given the true friction and slope.
+    /// Slope, upward in y [deg]; for robots in space alone.
+    pub cross_slope_deg: f64,
+    /// Whether the controller is given the true friction and slopes.
     pub known: bool,
     /// Rows `[x_m, z_m]` of heights above the plane, joined by straight lines, level before and after.
     pub profile: Vec<[f64; 2]>,
@@ -74,6 +96,11 @@ pub struct Ground {
 }
 
 impl Ground {
+    /// Its slopes upward in x and in y [rad].
+    pub fn slopes(&self) -> [f64; 2] {
+        [self.slope_deg.to_radians(), self.cross_slope_deg.to_radians()]
+    }
+
     /// Whether the controller knows the ground's height everywhere.
     pub fn height_is_known(&self) -> bool {
         self.known && (self.relief_known || (self.profile.is_empty() && self.unevenness_m == 0.0))
@@ -85,6 +112,7 @@ impl Default for Ground {
         Self {
             friction: 0.85,
             slope_deg: 0.0,
+            cross_slope_deg: 0.0,
             known: true,
             profile: Vec::new(),
             unevenness_m: 0.0,
@@ -118,9 +146,9 @@ struct Relief {
 }
 
 impl Terrain {
-    /// A plane through the world's origin as `model` meets it; `slope` upward in x [rad].
-    pub fn plane(model: &Model, friction: f64, slope: f64) -> Self {
-        Self { plane: Surface::new(model, friction, slope), relief: Relief::default(), patches: Vec::new() }
+    /// A plane through the world's origin as `model` meets it; `slopes` upward in x and in y [rad].
+    pub fn plane(model: &Model, friction: f64, slopes: [f64; 2]) -> Self {
+        Self { plane: Surface::new(model, friction, slopes), relief: Relief::default(), patches: Vec::new() }
     }
 
     /// The true ground, as `model` meets it; `seed` is that of its unevenness.
@@ -134,14 +162,19 @@ impl Terrain {
                 seed,
             },
             patches: ground.patches.clone(),
-            ..Self::plane(model, ground.friction, ground.slope_deg.to_radians())
+            ..Self::plane(model, ground.friction, ground.slopes())
         }
     }
 
-    /// What the controller is told of it; for the rest it has what it assumes: a friction, and a slope [deg].
+    /// What the controller is told of it; for the rest it has what it assumes: a friction, and a slope upward in x
+    /// [deg], with none across.
     pub fn believed(ground: &Ground, seed: u64, assumed: [f64; 2], model: &Model) -> Self {
-        let [friction, slope_deg] = if ground.known { [ground.friction, ground.slope_deg] } else { assumed };
-        let plane = Self::plane(model, friction, slope_deg.to_radians());
+        let (friction, slopes) = if ground.known {
+            (ground.friction, ground.slopes())
+        } else {
+            (assumed[0], [assumed[1].to_radians(), 0.0])
+        };
+        let plane = Self::plane(model, friction, slopes);
         if !ground.relief_known {
             return plane;
         }
@@ -166,24 +199,33 @@ impl Terrain {
         self.relief.profile.is_empty() && self.relief.unevenness == 0.0
     }
 
-    /// Height below `x` [m].
+    /// Height at `(x, y)` [m].
     #[inline]
-    pub fn height_at(&self, x: f64) -> f64 {
-        let plane = self.plane.height_at(x);
+    pub fn height_at(&self, x: f64, y: f64) -> f64 {
+        let plane = self.plane.height_at(x, y);
         if self.is_even() { plane } else { plane + self.relief.at(x)[0] }
     }
 
-    /// Coefficient of friction at `x` [m].
-    pub fn friction_at(&self, x: f64) -> f64 {
+    /// Unit normal, out of the ground, at `(x, _y)` [m]: it is the same along y.
+    pub fn normal_at(&self, x: f64, _y: f64) -> Vector3<f64> {
+        if self.is_even() {
+            self.plane.normal
+        } else {
+            self.plane.inclined(libm::atan(self.steepness_between([x, x]))).normal
+        }
+    }
+
+    /// Coefficient of friction at `(x, _y)` [m]: it is the same along y.
+    pub fn friction_at(&self, x: f64, _y: f64) -> f64 {
         let patch = self.patches.iter().rev().find(|[from, to, _]| (*from..*to).contains(&x));
         patch.map_or(self.plane.friction, |patch| patch[2])
     }
 
-    /// What contact points at `points` [m] meet. Those of one foot (`foot_of` has it for each) share a slope, that of the line
-    /// through the ground below the foot's ends: a rigid foot that stands on both could not move along two normals.
+    /// What contact points at `points` [m] meet. Those of one foot (`foot_of` has it for each) share a slope upward in x, that
+    /// of the line through the ground below the foot's ends along x: a rigid foot that stands on both could not move along two normals.
     pub fn below(&self, points: &[Vector3<f64>], foot_of: impl Fn(usize) -> usize, surfaces: &mut [Surface]) {
         for (index, surface) in surfaces.iter_mut().enumerate() {
-            surface.friction = self.friction_at(points[index].x);
+            surface.friction = self.friction_at(points[index].x, points[index].y);
             if self.is_even() {
                 continue;
             }
@@ -194,12 +236,12 @@ impl Terrain {
         }
     }
 
-    /// How the ground rises between two places [m].
+    /// How the ground rises with x between two places along x [m].
     fn steepness_between(&self, [from, to]: [f64; 2]) -> f64 {
         if to - from < NARROW {
-            return self.plane.height_at(1.0) + self.relief.at(from)[1];
+            return self.plane.steepness()[0] + self.relief.at(from)[1];
         }
-        (self.height_at(to) - self.height_at(from)) / (to - from)
+        (self.height_at(to, 0.0) - self.height_at(from, 0.0)) / (to - from)
     }
 
     /// Distance of `point` from the ground below it, along the normal of the ground's plane [m]; negative inside.
@@ -209,21 +251,22 @@ impl Terrain {
         if self.is_even() { gap } else { gap - self.plane.normal.z * self.relief.at(point.x)[0] }
     }
 
-    /// The line through the ground below `x` [m], inclined as the plane is.
-    pub fn line_at(&self, x: f64) -> Line {
-        Line { x, z: self.height_at(x), steepness: self.plane.height_at(1.0) }
+    /// The plane through the ground at `(x, y)` [m], inclined as the ground's plane is.
+    pub fn plane_at(&self, x: f64, y: f64) -> Plane {
+        Plane { place: [x, y], z: self.height_at(x, y), steepness: self.plane.steepness() }
     }
 
-    /// What a sole lies on whose ends are `back` and `front` of `x` along it [m]: the line through the ground below both.
-    pub fn below_a_sole(&self, x: f64, [back, front]: [f64; 2]) -> Line {
+    /// What a sole along x lies on whose ends are `back` and `front` of `(x, y)` along it [m]: the line through the ground below
+    /// both.
+    pub fn below_a_sole(&self, x: f64, y: f64, [back, front]: [f64; 2]) -> Line {
         if self.is_even() || front <= back {
-            return Line { x, z: self.height_at(x), steepness: self.steepness_between([x, x]) };
+            return Line { x, z: self.height_at(x, y), steepness: self.steepness_between([x, x]) };
         }
-        let mut line = self.line_at(x);
+        let mut line = Line { x, z: self.height_at(x, y), steepness: self.plane.steepness()[0] };
         // The ends come closer as the sole is inclined.
         for _ in 0..3 {
             let across = 1.0 / libm::sqrt(1.0 + line.steepness * line.steepness);
-            let end = |way: f64| [x + way * across, self.height_at(x + way * across)];
+            let end = |way: f64| [x + way * across, self.height_at(x + way * across, y)];
             line = Line::through(end(back), end(front));
         }
         Line { x, z: line.at(x), ..line }
@@ -319,7 +362,7 @@ mod tests {
     fn uneven_ground_has_no_jumps_keeps_its_bounds_and_begins_where_it_is_told_to() {
         let ground = uneven(3);
         let at = |k: i32| f64::from(k) * 1e-3;
-        let heights: Vec<f64> = (-2000..20_000).map(|k| ground.height_at(at(k))).collect();
+        let heights: Vec<f64> = (-2000..20_000).map(|k| ground.height_at(at(k), 0.0)).collect();
         assert!(heights[..2700].iter().all(|&height| height == 0.0), "level up to 0.7 m");
         assert!(heights.iter().all(|height| height.abs() <= 0.02));
         // Knots 0.3 m apart differ by 0.04 m at most.
@@ -328,8 +371,8 @@ mod tests {
         let spread = heights[2700..].iter().map(|height| height * height).sum::<f64>() / heights[2700..].len() as f64;
         // Even distribution at 64 knots: its variance is a third, between knots two thirds of that.
         assert!(mean.abs() < 0.005 && (0.5..1.5).contains(&(spread / (0.0004 * 2.0 / 9.0))), "{mean} {spread}");
-        assert_ne!(uneven(4).height_at(2.0), ground.height_at(2.0));
-        assert_eq!(uneven(3).height_at(2.0), ground.height_at(2.0));
+        assert_ne!(uneven(4).height_at(2.0, 0.0), ground.height_at(2.0, 0.0));
+        assert_eq!(uneven(3).height_at(2.0, 0.0), ground.height_at(2.0, 0.0));
     }
 
     #[test]
@@ -340,7 +383,11 @@ mod tests {
         });
         let slope = 5f64.to_radians().tan();
         for (x, rise) in [(0.0, 0.1), (1.0, 0.1), (1.5, 0.2), (2.0, 0.3), (7.0, 0.3)] {
-            assert!((ground.height_at(x) - slope * x - rise).abs() < 1e-14, "at {x}: {}", ground.height_at(x));
+            assert!(
+                (ground.height_at(x, 0.0) - slope * x - rise).abs() < 1e-14,
+                "at {x}: {}",
+                ground.height_at(x, 0.0)
+            );
         }
         assert_eq!(ground.knots([0.5, 1.5]), [0.5, 1.0, 1.5]);
     }
@@ -350,11 +397,11 @@ mod tests {
         let ground = uneven(1);
         for k in 0..100 {
             let x = 1.0 + 0.05 * f64::from(k);
-            let line = ground.below_a_sole(x, [-0.065, 0.185]);
+            let line = ground.below_a_sole(x, 0.0, [-0.065, 0.185]);
             let across = 1.0 / (1.0 + line.steepness * line.steepness).sqrt();
             for end in [-0.065, 0.185] {
                 let place = x + across * end;
-                assert!((line.at(place) - ground.height_at(place)).abs() < 1e-5, "{end} at {x}");
+                assert!((line.at(place) - ground.height_at(place, 0.0)).abs() < 1e-5, "{end} at {x}");
             }
         }
     }
@@ -386,6 +433,6 @@ mod tests {
         assert_eq!(Terrain::believed(&ground, 0, [0.85, 0.0], &model), Terrain::of(&ground, 0, &model));
         ground.known = false;
         let believed = Terrain::believed(&ground, 0, [0.85, 0.0], &model);
-        assert!(!believed.is_even() && believed.base().slope == 0.0 && believed.friction_at(1.5) == 0.1);
+        assert!(!believed.is_even() && believed.base().slope == 0.0 && believed.friction_at(1.5, 0.0) == 0.1);
     }
 }

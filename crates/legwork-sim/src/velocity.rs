@@ -117,7 +117,7 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
         for ((point, ground), position) in places {
             if !terrain.is_plane() {
                 point.friction = ground.friction;
-                let (sin, cos) = libm::sincos(ground.slope - terrain.base().slope);
+                let (sin, cos) = libm::sincos(ground.turn - terrain.base().turn);
                 point.turn = (sin != 0.0).then_some([cos, sin]);
             }
             let arm = position - dynamics.contact_positions[self.feet[point.foot].reference];
@@ -252,7 +252,8 @@ struct Axes<const D: usize> {
 fn axes<const D: usize>(ground: &Surface) -> Axes<D> {
     let mut directions = ground.directions();
     let linear = std::array::from_fn(|_| *directions.next().expect("a direction for each contact coordinate"));
-    Axes { linear, angular: [ground.tangents()[0], Vector3::y(), ground.normal] }
+    let tangents = ground.tangents();
+    Axes { linear, angular: [tangents[0], *tangents.get(1).unwrap_or(&Vector3::y()), ground.normal] }
 }
 
 /// The coordinates of a motion along `axes`.

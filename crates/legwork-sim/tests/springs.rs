@@ -40,7 +40,7 @@ fn rod(keys: &str) -> Model {
 
 fn simulator(integrator: Integrator, model: Model, q: f64) -> Result<Simulator, Error> {
     let settings = SimulationSettings { integrator, period_s: DT, ..SimulationSettings::default() };
-    let ground = Terrain::plane(&model, 1.0, 0.0);
+    let ground = Terrain::plane(&model, 1.0, [0.0; 2]);
     Simulator::new(&settings, &[], ground, Arc::new(model), &[q])
 }
 

@@ -213,6 +213,11 @@ impl Episode {
         if momentum && parts.generator.is_none() {
             check_model(model, scenario.reference.generator)?;
         }
+        let across = scenario.ground.cross_slope_deg;
+        if model.is_planar() && across != 0.0 {
+            let problem = format!("found {across}; valid is 0 for a planar robot");
+            return Err(Error::invalid("ground.cross_slope_deg", problem));
+        }
         let (known, error) = (model, scenario.simulation.model_error);
         let model = model_error::real(known, error, scenario.seed);
         let plant = match parts.plant {
@@ -397,12 +402,16 @@ impl Episode {
         let [cop_reference, xcom_reference] = self
             .controller
             .reference()
-            .map_or([0.0; 2], |reference| [reference.cop_reference, reference.xcom_reference]);
-        let found = [measures.cop, zmp, measures.wanted_zmp, measures.cmp, measures.margin()];
-        // In flight there are none: they stay what they were.
-        let kept: [f64; 5] = std::array::from_fn(|k| found[k].unwrap_or(self.balance_before[k + 2]));
-        let steps = measures.steps().map_or(-1.0, f64::from);
-        record.set(Field::Balance, [cop_reference, xcom_reference].into_iter().chain(kept).chain([steps]));
+            .map_or([[0.0; 2]; 2], |reference| [reference.cop_reference, reference.xcom_reference]);
+        let before = &self.balance_before;
+        let places = [Some(cop_reference), Some(xcom_reference), measures.cop, zmp, measures.wanted_zmp, measures.cmp];
+        // In flight there are none: they stay what they were. In space the same along y come after those of all robots.
+        let kept = |axis: usize| {
+            places.iter().enumerate().map(move |(k, place)| place.map_or(before[8 * axis + k], |place| place[axis]))
+        };
+        let rest = [measures.margin().unwrap_or(before[6]), measures.steps().map_or(-1.0, f64::from)];
+        let across = (before.len() > 8).then(|| kept(1)).into_iter().flatten();
+        record.set(Field::Balance, kept(0).chain(rest).chain(across));
         self.balance_before.copy_from_slice(record.get(Field::Balance));
     }
 
@@ -574,7 +583,12 @@ pub fn input_hash(scenario: &Scenario, model: &Robot, samples: &[[f64; 3]]) -> u
     scenario.reference.com.file.clear();
     let mut hasher = xxhash_rust::xxh3::Xxh3::new();
     hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
-    hasher.update(settings::in_use(&scenario).to_string().as_bytes());
+    let mut tree = settings::in_use(&scenario);
+    // Ground that is level across is the ground that there was before this could be said.
+    if scenario.ground.cross_slope_deg == 0.0 {
+        settings::remove(&mut tree, "ground.cross_slope_deg");
+    }
+    hasher.update(tree.to_string().as_bytes());
     hasher.update(model.to_toml().as_bytes());
     for value in samples.as_flattened() {
         hasher.update(&value.to_bits().to_le_bytes());

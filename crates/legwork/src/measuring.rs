@@ -291,11 +291,11 @@ impl Counted {
     /// The measures of balance, as `crate::balance` has them.
     fn take_balance<'a>(&mut self, get: impl Fn(Field) -> &'a [f64] + Copy, meter: &Meter, late: bool) {
         let measures = meter.of(get);
-        if let ([xcom], Some(reference), true) = (get(Field::Xcom), meter.xcom_reference(get), late) {
-            self.xcom_error.add((xcom - reference).abs());
+        if let (xcom @ [_, ..], Some(reference), true) = (get(Field::Xcom), meter.xcom_reference(get), late) {
+            self.xcom_error.add(distance(xcom.iter().copied(), reference));
         }
         if let Some((cmp, cop)) = measures.cmp.zip(measures.cop) {
-            self.cmp_offset.add((cmp - cop).abs());
+            self.cmp_offset.add(distance(cmp, cop));
         }
         let Some(margin) = measures.margin() else { return };
         self.supported += 1;
@@ -356,6 +356,6 @@ fn norm(vector: &[f64]) -> f64 {
     libm::sqrt(vector.iter().map(|value| value * value).sum())
 }
 
-fn distance(a: impl Iterator<Item = f64>, b: impl Iterator<Item = f64>) -> f64 {
-    libm::sqrt(a.zip(b).map(|(x, y)| (x - y) * (x - y)).sum())
+fn distance(a: impl IntoIterator<Item = f64>, b: impl IntoIterator<Item = f64>) -> f64 {
+    libm::sqrt(a.into_iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum())
 }

@@ -134,7 +134,7 @@ metrics! {
         "Mean of the CoM error over the ticks of `com_error_m` in which a constant commanded speed should have been reached; none \
          without a constant commanded speed.";
     xcom_error_m: Option<MeanPeak> = Pair, "XcoM error", "m",
-        "Distance of the XcoM from its reference along x, over the ticks of `com_error_m`; the reference is the walker's, else x + ẋ/ω \
+        "Distance of the XcoM from its reference, over the ticks of `com_error_m`; the reference is the walker's, else x + ẋ/ω \
          of the CoM's reference.";
     xcom_margin_min_m: Option<f64> = Number, "smallest XcoM margin", "m",
         "Smallest margin of the XcoM to the base of support, negative outside (Hof 2008); none where no contact point ever touches.";

@@ -51,10 +51,11 @@ pub(crate) fn channels(model: &Robot, controller: &dyn Controller, plant: &dyn P
 
 fn reference_channels(model: &Robot) -> Vec<Channel> {
     let feet = model.feet.iter().take(2).flat_map(|foot| names::motion(model, &format!("foot_reference.{foot}")));
+    let across = if model.is_planar() { 1 } else { 2 };
     let torso = [("", "rad"), ("_velocity", "rad/s"), ("_acceleration", "rad/s2")];
     let mut channels = [
         Channel::all(Field::ComReference, names::motion(model, "com_reference")),
-        Channel::all(Field::Xcom, [("xcom", "m")]),
+        Channel::all(Field::Xcom, ["xcom", "xcom_y"].into_iter().take(across).map(|name| (name, "m"))),
         Channel::all(Field::TorsoReference, torso.map(|(suffix, unit)| (format!("torso_reference{suffix}"), unit))),
         Channel::all(Field::FeetReference, feet),
         Channel::all(Field::Swing, [("swing", ""), ("swing_since", "s")]),
@@ -64,6 +65,10 @@ fn reference_channels(model: &Robot) -> Vec<Channel> {
         let places = ["cop_reference", "xcom_reference", "cop", "zmp", "zmp_wanted", "cmp", "xcom_margin"];
         channels.extend(Channel::all(Field::Balance, places.map(|name| (name, "m"))));
         channels.extend(Channel::all(Field::Balance, [("capture_steps", "")]));
+        if !model.is_planar() {
+            let across = places[..6].iter().map(|name| (format!("{name}_y"), "m"));
+            channels.extend(Channel::all(Field::Balance, across));
+        }
     }
     channels
 }
@@ -110,7 +115,7 @@ pub(crate) fn reference(
         motion(point)
     };
     record.set(Field::ComReference, motion(reference.chest.point));
-    record.set(Field::Xcom, [reference.xcom]);
+    record.set(Field::Xcom, reference.xcom.into_iter().take(if model.is_planar() { 1 } else { 2 }));
     record.set(Field::TorsoReference, reference.chest.turn.in_plane());
     record.set(Field::FeetReference, [0, 1].into_iter().flat_map(foot));
     let swing = reference.swing.map_or([-1.0, -1.0], |swing| [swing.foot as f64, swing.since]);

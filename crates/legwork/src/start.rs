@@ -1,7 +1,7 @@
 //! The start pose: joint positions that put feet, centre of mass and torso where the scenario wants them.
 
 use legwork_rbd::{Base, Dynamics, Model};
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use crate::error::Error;
 use crate::feet::{FeetMotion, Sole, pitched, rotation_error};
@@ -20,15 +20,15 @@ const TOLERANCE: f64 = 1e-12;
 pub fn start_pose(scenario: &Scenario, model: &Robot, ground: &Terrain) -> Result<DVector<f64>, Error> {
     let start = &scenario.start;
     let stature = scenario.wearer.stature();
-    let on_ground = |x: f64, y: f64| Vector3::new(stature * x, y, ground.height_at(stature * x));
+    let on_ground = |x: f64, y: f64| Vector3::new(stature * x, y, ground.height_at(stature * x, y));
     let sole = Sole::of(model);
     let half = 0.5 * (sole.toe - sole.heel);
-    let lies = [start.right_foot_x_m, start.left_foot_x_m].map(|x| ground.below_a_sole(stature * x, [-half, half]));
-    let foot = |index: usize, x: f64, y: f64| Vector3::new(stature * x, y, lies[index].z);
     let aside = if model.is_planar() { 0.0 } else { 0.5 * start.feet_width_m };
+    let places = [(start.right_foot_x_m, -aside), (start.left_foot_x_m, aside)].map(|(x, y)| [stature * x, y]);
+    let lies = places.map(|[x, y]| ground.below_a_sole(x, y, [-half, half]));
     let target = Target {
-        feet: [foot(0, start.right_foot_x_m, -aside), foot(1, start.left_foot_x_m, aside)],
-        slope: lies.map(|line| libm::atan(line.steepness)),
+        feet: [0, 1].map(|foot| Vector3::new(places[foot][0], places[foot][1], lies[foot].z)),
+        rotation: lies.map(|line| ground.base().inclined(libm::atan(line.steepness)).rotation()),
         com: on_ground(start.com_x_m, 0.0) + Vector3::z() * (stature * start.com_height_m),
         torso: start.torso_angle_deg.to_radians(),
     };
@@ -51,8 +51,8 @@ pub fn start_pose(scenario: &Scenario, model: &Robot, ground: &Terrain) -> Resul
 
 struct Target {
     feet: [Vector3<f64>; 2],
-    /// What feet with an orientation lie flat on [rad].
-    slope: [f64; 2],
+    /// Of feet that have one: they lie flat.
+    rotation: [Matrix3<f64>; 2],
     com: Vector3<f64>,
     torso: f64,
 }
@@ -119,7 +119,7 @@ fn residual(model: &Robot, target: &Target, dynamics: &mut Dynamics, q: &DVector
         for (row, axis) in rows.linear.clone().zip(linear) {
             error[row] = axis.dot(&(place - feet.position[foot]));
         }
-        let turn = rotation_error(&feet.rotation[foot], &pitched(target.slope[foot]));
+        let turn = rotation_error(&feet.rotation[foot], &target.rotation[foot]);
         for (row, axis) in rows.angular.clone().zip(angular) {
             error[row] = axis.dot(&turn);
         }

@@ -11,7 +11,7 @@ use legwork::planner::MotionReferencePlanner;
 use legwork::scenario::{Damping, LeastStep, Replan, Scenario, StepSettings};
 use legwork::terrain::Terrain;
 use legwork_rbd::Dynamics;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 const GRAVITY: f64 = 9.81;
 
@@ -82,7 +82,7 @@ fn goals_are_equations_4_3_to_4_6() {
 #[test]
 fn friction_rows_are_equations_4_12_to_4_16_on_a_slope() {
     let (friction, slope) = (0.6, 0.2_f64);
-    let ground = Terrain::plane(&humanoid(), friction, slope);
+    let ground = Terrain::plane(&humanoid(), friction, [slope, 0.0]);
     let (normal, tangent) = ([-slope.sin(), slope.cos()], [slope.cos(), slope.sin()]);
     let expected = [
         [-normal[0], -normal[1]],
@@ -94,8 +94,8 @@ fn friction_rows_are_equations_4_12_to_4_16_on_a_slope() {
         let found = ground.base().friction_row(row);
         assert!((found.x - expected[0]).abs() < 1e-15 && (found.z - expected[1]).abs() < 1e-15, "row {row}");
     }
-    assert!((ground.gap(&Vector3::new(1.0, 0.0, ground.height_at(1.0)))).abs() < 1e-15);
-    assert!((ground.height_at(1.0) - slope.tan()).abs() < 1e-15);
+    assert!((ground.gap(&Vector3::new(1.0, 0.0, ground.height_at(1.0, 0.0)))).abs() < 1e-15);
+    assert!((ground.height_at(1.0, 0.0) - slope.tan()).abs() < 1e-15);
 }
 
 /// A step machine with feet at 0 (right) and 0.5 m (left), over level ground.
@@ -112,6 +112,8 @@ impl Walker {
 
     fn with(settings: StepSettings, reference_speed: f64) -> Self {
         let observation = Observation {
+            rotation: [Matrix3::identity(); 2],
+            ahead: [Vector3::x(); 2],
             time: 0.0,
             com: Vector3::new(0.25, 0.0, 0.9),
             com_velocity: Vector3::zeros(),
@@ -126,7 +128,7 @@ impl Walker {
             velocity: Vector3::x() * reference_speed,
             ..PointReference::default()
         };
-        let ground = Terrain::plane(&humanoid(), 0.85, 0.0);
+        let ground = Terrain::plane(&humanoid(), 0.85, [0.0; 2]);
         Self { machine: StepMachine::new(settings, ground, true, GRAVITY, &observation), observation, com }
     }
 

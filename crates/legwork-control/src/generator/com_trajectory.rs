@@ -53,7 +53,7 @@ impl ComTrajectory {
             TrajectoryKind::Stationary => Self::Stationary(start),
             TrajectoryKind::ConstantVelocity => {
                 let speed = settings.speed_mps;
-                let velocity = Vector3::new(speed, 0.0, ground.base().height_at(1.0) * speed);
+                let velocity = Vector3::new(speed, 0.0, ground.base().steepness()[0] * speed);
                 Self::ConstantVelocity { start, velocity, ramp: settings.ramp_s }
             }
             TrajectoryKind::Waypoints => {
@@ -106,7 +106,7 @@ fn check_rows(place: &str, rows: &[[f64; 3]], least: usize, ground: &Terrain) ->
         ));
     }
     for (index, &[_, x, z]) in rows.iter().enumerate() {
-        let height = z - ground.height_at(x);
+        let height = z - ground.height_at(x, 0.0);
         if height < xcom::SHORTEST {
             let problem = format!(
                 "row {}: found z = {z} m at x = {x} m, {height} m over the ground; valid is {} m or more",

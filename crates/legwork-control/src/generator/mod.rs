@@ -16,12 +16,12 @@ use std::fmt::Debug;
 
 use legwork_contract::contract::Sensed;
 use legwork_contract::error::Error;
-use legwork_contract::feet::FeetMotion;
 pub use legwork_contract::feet::Footing;
+use legwork_contract::feet::{FeetMotion, headed, level, rotated, rotation_error};
 use legwork_contract::robot::Robot;
 use legwork_contract::terrain::Terrain;
 use legwork_rbd::Dynamics;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use crate::settings::{GeneratorKind, ReferenceSettings};
 pub use com_trajectory::ComTrajectory;
@@ -70,9 +70,20 @@ impl TurnReference {
         Self { turn: about(angle), velocity: about(velocity), acceleration: about(acceleration) }
     }
 
-    /// Its part in the x-z plane: angle, angular velocity and acceleration about −y.
+    /// An orientation at rest.
+    pub fn still(rotation: &Matrix3<f64>) -> Self {
+        Self { turn: rotation_error(&Matrix3::identity(), rotation), ..Self::default() }
+    }
+
+    /// Its part in the vertical plane through the object's x axis, for a robot in the plane the x-z plane: the elevation of that
+    /// axis, angular velocity and acceleration about the horizontal to its right, which is −y where x points ahead.
     pub fn in_plane(&self) -> [f64; 3] {
-        [self.turn, self.velocity, self.acceleration].map(|vector| -vector.y)
+        if self.turn.x == 0.0 && self.turn.z == 0.0 {
+            return [self.turn, self.velocity, self.acceleration].map(|vector| -vector.y);
+        }
+        let x = rotated(&self.turn).column(0).into_owned();
+        let right = headed(&level(&x)) * -Vector3::y();
+        [libm::atan2(x.z, libm::hypot(x.x, x.y)), right.dot(&self.velocity), right.dot(&self.acceleration)]
     }
 }
 
@@ -104,12 +115,12 @@ pub struct Reference {
     pub moment: Vector3<f64>,
     /// The foot that swings, if one does.
     pub swing: Option<Swing>,
-    /// The extrapolated centre of mass along x, as the generator reckons it [m].
-    pub xcom: f64,
-    /// Where the extrapolated centre of mass should be along x [m].
-    pub xcom_reference: f64,
-    /// Where the centre of pressure should be along x if the torso did not lean [m].
-    pub cop_reference: f64,
+    /// The extrapolated centre of mass along x and y, as the generator reckons it [m].
+    pub xcom: [f64; 2],
+    /// Where the extrapolated centre of mass should be along x and y [m].
+    pub xcom_reference: [f64; 2],
+    /// Where the centre of pressure should be along x and y if the torso did not lean [m].
+    pub cop_reference: [f64; 2],
 }
 
 /// A swing under way.
@@ -131,9 +142,9 @@ impl Default for Reference {
             cop: None,
             moment: Vector3::zeros(),
             swing: None,
-            xcom: 0.0,
-            xcom_reference: 0.0,
-            cop_reference: 0.0,
+            xcom: [0.0; 2],
+            xcom_reference: [0.0; 2],
+            cop_reference: [0.0; 2],
         }
     }
 }
@@ -149,7 +160,11 @@ pub struct Observation {
     pub com_velocity: Vector3<f64>,
     /// Right and left foot [m].
     pub feet: [Vector3<f64>; 2],
-    /// How they are turned about −y, and how fast they turn [rad, rad/s].
+    /// Their orientation: `world_from_foot`.
+    pub rotation: [Matrix3<f64>; 2],
+    /// Where they point, horizontal unit vectors: that of x in the plane.
+    pub ahead: [Vector3<f64>; 2],
+    /// How their toes are raised, and how fast they rise [rad, rad/s].
     pub pitch: [[f64; 2]; 2],
     /// Whether they touch the ground.
     pub touching: [bool; 2],
@@ -169,9 +184,12 @@ impl Observation {
             com: dynamics.com,
             com_velocity: dynamics.com_velocity,
             feet: [0, 1].map(|foot| feet.position[foot]),
+            rotation: [0, 1].map(|foot| feet.rotation[foot]),
+            ahead: [0, 1].map(|foot| feet.ahead(foot)),
             pitch: [0, 1].map(|foot| {
-                let ahead = feet.rotation[foot].column(0);
-                [libm::atan2(ahead.z, ahead.x), -feet.angular_velocity[foot].y]
+                let (forward, ahead) = (feet.forward(foot), feet.ahead(foot));
+                let turning = &feet.angular_velocity[foot];
+                [libm::atan2(forward.z, forward.dot(&ahead)), ahead.y * turning.x - ahead.x * turning.y]
             }),
             touching: [0, 1].map(|foot| feet.contacts(foot).iter().any(|&contact| sensed.contacts[contact].touching)),
             load: [0, 1].map(|foot| sum(feet.contacts(foot))),
@@ -233,9 +251,10 @@ impl Reference {
     /// inverted pendulum: `ẍ = ω² (x - p)`, `ξ = x + ẋ/ω`.
     fn follow(&mut self, com: PointReference, gravity: f64, ground: &Terrain) {
         self.chest.point = com;
-        let omega = xcom::eigenfrequency(gravity, com.position.z - ground.height_at(com.position.x));
-        self.cop_reference = com.position.x - com.acceleration.x / (omega * omega);
-        self.xcom_reference = com.position.x + com.velocity.x / omega;
+        let omega = xcom::eigenfrequency(gravity, com.position.z - ground.height_at(com.position.x, com.position.y));
+        let PointReference { position: place, velocity, acceleration } = com;
+        self.cop_reference = [0, 1].map(|axis| place[axis] - acceleration[axis] / (omega * omega));
+        self.xcom_reference = [0, 1].map(|axis| place[axis] + velocity[axis] / omega);
     }
 
     /// The foot that swings, if one does; the others stand.

@@ -5,12 +5,13 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::{
     ComTrajectory, Generator, Observation, PointReference, Reference, Surroundings, Swing, TurnReference, xcom,
 };
 use crate::settings::{Lift, StanceSettings};
+use legwork_contract::feet::{headed, level, pitched};
 use legwork_contract::terrain::Terrain;
 
 /// Time in which the centre of mass moves above a foot, or back [s].
@@ -22,18 +23,20 @@ const RISE: f64 = 0.3;
 #[derive(Clone, Debug)]
 pub struct Stance {
     com: ComTrajectory,
-    torso_angle: f64,
+    torso: TurnReference,
     settings: StanceSettings,
     ground: Terrain,
     gravity: f64,
     /// Where the feet stand [m].
     standing: [Vector3<f64>; 2],
-    /// How they lie [rad].
-    pitch: [f64; 2],
+    /// How they lie.
+    lying: [TurnReference; 2],
+    /// The rotation about z to where they point in the mean.
+    heading: Matrix3<f64>,
     /// The foot that is lifted, and from the centre of mass to above the other one [m].
     lifted: Option<(usize, Vector3<f64>)>,
     swinging: Option<usize>,
-    xcom: f64,
+    xcom: [f64; 2],
 }
 
 impl Stance {
@@ -48,25 +51,35 @@ impl Stance {
             let way: Vector3<f64> = start.feet[1 - foot] - start.com;
             (foot, Vector3::new(way.x, way.y, 0.0))
         };
+        let heading = headed(&level(&(start.ahead[0] + start.ahead[1])));
+        let (torso, lying) = if around.model.is_planar() {
+            let [torso, right, left] = [around.torso_angle, start.pitch[0][0], start.pitch[1][0]]
+                .map(|angle| TurnReference::pitch(angle, 0.0, 0.0));
+            (torso, [right, left])
+        } else {
+            let torso = TurnReference::still(&(heading * pitched(around.torso_angle)));
+            (torso, start.rotation.each_ref().map(TurnReference::still))
+        };
         Self {
             com,
-            torso_angle: around.torso_angle,
+            torso,
             settings: settings.clone(),
             ground: around.terrain.clone(),
             gravity: around.model.gravity,
             standing: start.feet,
-            pitch: start.pitch.map(|[angle, _rate]| angle),
+            lying,
+            heading,
             lifted: lifted.map(above),
             swinging: None,
-            xcom: start.com.x,
+            xcom: [start.com.x, start.com.y],
         }
     }
 
     /// Moves on to the time of `observation`; `com` is the centre of mass's reference.
     fn move_on(&mut self, observation: &Observation, com: &PointReference) {
-        let height = com.position.z - self.ground.height_at(com.position.x);
+        let height = com.position.z - self.ground.height_at(com.position.x, com.position.y);
         let omega = xcom::eigenfrequency(self.gravity, height);
-        self.xcom = xcom::xcom(observation.com.x, observation.com_velocity.x, omega);
+        self.xcom = [0, 1].map(|axis| xcom::xcom(observation.com[axis], observation.com_velocity[axis], omega));
         let begin = self.lift_off();
         let off = (begin..begin + self.settings.lift_duration_s).contains(&observation.time);
         self.swinging = self.lifted.map(|(foot, _)| foot).filter(|_| off);
@@ -85,7 +98,7 @@ impl Stance {
         let wave = [sin, rate * cos, -rate * rate * sin];
         let squat = [0.5 * (1.0 - cos), 0.5 * rate * sin, 0.5 * rate * rate * cos];
         let begin = minimum_jerk(time, 0.0, settings.period_s);
-        let sway = along(product(begin, wave), settings.sway_m.into());
+        let sway = along(product(begin, wave), self.heading * Vector3::from(settings.sway_m));
         let squat = along(product(begin, squat), -settings.squat_m * Vector3::z());
         let shift = self.lifted.map_or_else(PointReference::default, |(_, above)| {
             let there = minimum_jerk(time, settings.lift_start_s, SHIFT_S);
@@ -111,18 +124,18 @@ impl Stance {
         let (sin, cos) = libm::sincos(turn);
         let swing = [sin, rate * cos, change * cos - rate * rate * sin];
         let height = along(lifted, self.settings.lift_height_m * Vector3::z());
-        sum(stands, sum(height, along(swing, self.settings.swing_m * Vector3::x())))
+        sum(stands, sum(height, along(swing, self.heading * (self.settings.swing_m * Vector3::x()))))
     }
 }
 
 impl Generator for Stance {
     fn update(&mut self, seen: &Observation, reference: &mut Reference) {
         let com = sum(self.com.at(seen.time), self.com_offset(seen.time));
-        reference.chest.turn = TurnReference::pitch(self.torso_angle, 0.0, 0.0);
+        reference.chest.turn = self.torso;
         self.move_on(seen, &com);
         for (foot, goal) in reference.feet.iter_mut().enumerate() {
             goal.point = self.foot(foot, seen.time);
-            goal.turn = TurnReference::pitch(self.pitch[foot], 0.0, 0.0);
+            goal.turn = self.lying[foot];
         }
         reference.swing(self.swinging.map(|foot| Swing { foot, since: self.lift_off() }));
         reference.xcom = self.xcom;
@@ -175,9 +188,11 @@ mod tests {
         };
         let text = include_str!("../../../../models/planar_humanoid.toml");
         let model = Robot::from_toml(text, "humanoid").expect("a sound model");
-        let terrain = Terrain::plane(&model, 0.8, 0.0);
+        let terrain = Terrain::plane(&model, 0.8, [0.0; 2]);
         let around = Surroundings { model: &model, terrain: &terrain, height_is_known: true, torso_angle: 0.0 };
         let start = Observation {
+            rotation: [Matrix3::identity(); 2],
+            ahead: [Vector3::x(); 2],
             time: 0.0,
             com: Vector3::new(0.04, 0.0, 0.9),
             com_velocity: Vector3::zeros(),

@@ -59,7 +59,7 @@ impl Generator for Steps {
             Phase::DoubleSupport => None,
             Phase::Step { foot, since, .. } => Some(Swing { foot, since }),
         });
-        reference.xcom = machine.xcom();
+        reference.xcom = [machine.xcom(), 0.0];
         reference.follow(com, machine.gravity, &machine.ground);
     }
 
@@ -94,7 +94,7 @@ impl StepMachine {
 
     /// Where a foot stands that touches the ground at `foot`.
     fn on_ground(&self, foot: Vector3<f64>) -> Vector3<f64> {
-        let height = if self.ground_known { self.ground.height_at(foot.x) } else { foot.z };
+        let height = if self.ground_known { self.ground.height_at(foot.x, foot.y) } else { foot.z };
         Vector3::new(foot.x, foot.y, height)
     }
 
@@ -110,7 +110,7 @@ impl StepMachine {
 
     /// Moves the state machine on; `com` is the CoM's reference.
     pub fn update(&mut self, observation: &Observation, com: &PointReference) {
-        let height = com.position.z - self.ground.height_at(com.position.x);
+        let height = com.position.z - self.ground.height_at(com.position.x, com.position.y);
         let omega = xcom::eigenfrequency(self.gravity, height);
         self.xcom = xcom::xcom(observation.com.x, observation.com_velocity.x, omega);
 
@@ -172,7 +172,7 @@ impl StepMachine {
                 let x = swing::forward(t, duration, length); // Thesis (4.1)
                 let z = swing::upward(t, duration, self.settings.height_m); // Thesis (4.2)
                 let over = time - since > duration; // late: wait at the target
-                let slope = self.ground.base().height_at(1.0);
+                let slope = self.ground.base().steepness()[0];
                 let along = |forward: f64, up: f64| Vector3::new(forward, 0.0, slope * forward + up);
                 let moving = |value: Vector3<f64>| if over { Vector3::zeros() } else { value };
                 PointReference {

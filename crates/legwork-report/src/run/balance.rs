@@ -1,7 +1,8 @@
 //! Balance over time: where the forces act and would have to act, the XcoM and its margin, and from where a stop is possible
-//! in how many steps. All places are drawn from the centre of mass, which moves on while they do not go far from it.
+//! in how many steps, along the walking direction, and the XcoM's margin to the nearest edge of the base of support. All places are drawn from the centre of mass, which moves on while they do not go far from it.
 
-use legwork::balance::{Measures, Meter};
+use legwork::balance::support::along;
+use legwork::balance::{Capture, Measures, Meter, Point};
 use legwork::episode::Run;
 use legwork::log::Field;
 
@@ -23,18 +24,27 @@ const REGIONS: [(Option<u32>, &str, &str); 4] = [
 #[derive(Debug)]
 pub(super) struct Balance<'a> {
     times: &'a [f64],
-    /// Place of the centre of mass [m].
+    /// The walking direction at the begin, a horizontal unit vector.
+    ahead: Point,
+    /// Place of the centre of mass along it [m].
     com: Vec<f64>,
     measures: Vec<Measures>,
-    zmps: Vec<Option<f64>>,
+    /// Support and capturability along it.
+    captures: Vec<Option<Capture>>,
+    zmps: Vec<Option<Point>>,
 }
 
 impl<'a> Balance<'a> {
     pub(super) fn new(run: &Run, times: &'a [f64]) -> Self {
         let meter = Meter::new(&run.scenario, &run.model);
+        let ahead = if times.is_empty() { [1.0, 0.0] } else { meter.ahead(|field| run.log.get(0, field)) };
+        let com = |index: usize| run.log.get(index, Field::Com);
+        let capture = |index: usize| meter.capture_along(|field| run.log.get(index, field), ahead);
         Self {
             times,
-            com: (0..times.len()).map(|index| run.log.get(index, Field::Com)[0]).collect(),
+            ahead,
+            com: (0..times.len()).map(|index| along(ahead, [com(index)[0], com(index)[1]])).collect(),
+            captures: (0..times.len()).map(capture).collect(),
             measures: (0..times.len()).map(|index| meter.at(&run.log, index)).collect(),
             zmps: meter.zmps(&run.model, &run.log),
         }
@@ -69,23 +79,25 @@ impl<'a> Balance<'a> {
         vec![Part { y, height: 260.0, layers, notes: Vec::new() }]
     }
 
-    fn line(&self, label: &str, class: &str, place: impl Fn(&Measures) -> Option<f64>) -> Layer {
+    fn line(&self, label: &str, class: &str, place: impl Fn(&Measures) -> Option<Point>) -> Layer {
         line(label, class, self.times, self.relative(|index| place(&self.measures[index])))
     }
 
     /// A place in each record, from the centre of mass; a gap where there is none.
-    fn relative(&self, place: impl Fn(usize) -> Option<f64>) -> Vec<f64> {
-        (0..self.times.len()).map(|index| place(index).map_or(f64::NAN, |x| x - self.com[index])).collect()
+    fn relative(&self, place: impl Fn(usize) -> Option<Point>) -> Vec<f64> {
+        (0..self.times.len())
+            .map(|index| place(index).map_or(f64::NAN, |place| along(self.ahead, place) - self.com[index]))
+            .collect()
     }
 
     /// The places of the XcoM from which `steps` are enough, while there is a support.
     fn region(&self, steps: Option<u32>, label: &str, class: &str) -> Layer {
-        let point = |(index, measures): (usize, &Measures)| {
-            let region = measures.capture.map_or([f64::NAN; 2], |capture| capture.region(steps));
+        let point = |(index, capture): (usize, &Option<Capture>)| {
+            let region = capture.map_or([f64::NAN; 2], |capture| capture.region(steps));
             let [low, high] = region.map(|end| end - self.com[index]);
             [self.times[index], low, high]
         };
-        let points = self.measures.iter().enumerate().map(point).collect();
+        let points = self.captures.iter().enumerate().map(point).collect();
         Layer::Area { class: class.to_owned(), label: label.to_owned(), points }
     }
 }

@@ -6,7 +6,6 @@ use legwork::scenario::GeneratorKind;
 
 use super::balance::Balance;
 use super::limits;
-use super::stick::sideways_xcom;
 use super::strip::Strip;
 use crate::charts::axis::{Axis, Quantity};
 use crate::charts::chart::{Chart, Part, Stack};
@@ -215,13 +214,7 @@ impl<'a> Charts<'a> {
         let points = self.base_of_support(axis);
         let mut layers = vec![Layer::Area { class: "support".into(), label: "base of support".into(), points }];
         layers.extend(self.feet(axis));
-        layers.push(if axis == 0 {
-            self.line("XcoM", "xcom dash-dotted", Field::Xcom, 0, 1.0)
-        } else {
-            let ground = self.run.scenario.terrain(&self.run.model);
-            let xcom = (0..self.times.len()).map(|index| sideways_xcom(self.run, &ground, index));
-            line("XcoM", "xcom dash-dotted", &self.times, xcom)
-        });
+        layers.push(self.line("XcoM", "xcom dash-dotted", Field::Xcom, axis, 1.0));
         layers.extend(self.com(axis));
         vec![part(["x", "y"][axis], "m", 290.0, 0.1, layers)]
     }

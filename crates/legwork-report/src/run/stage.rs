@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::figures::{plain, side};
 use super::limits;
-use super::stick::{Planar, Pose, Poses, Spatial, View, translate};
+use super::stick::{Planar, Pose, Poses, Side, Spatial, View, translate};
 use crate::charts::numbers::{Px, extent};
 use crate::charts::svg;
 
@@ -88,7 +88,7 @@ pub(super) fn animation(run: &Run, id: &str) -> Markup {
         scale: scale.round(),
         metres_per_newton: views[0].metres_per_newton,
         cone_length: views[0].cone_length,
-        slope: poses.ground.height_at(1.0),
+        slope: poses.ground.base().steepness()[0],
         axes,
         stages: views.iter().map(stage).collect(),
         points: shown[0].points.len(),
@@ -112,7 +112,7 @@ fn stage(run: &Run, stage: &Stage, view: &View, poses: &Poses<'_>, shown: &[Pose
     let step =
         [0.5, 1.0, 5.0, 20.0, 100.0].into_iter().find(|step| (floor[1] - floor[0]) / step < 200.0).unwrap_or(1e3);
     let [x, y, _] = first.com;
-    let [across, base] = view.pixel([x, y, poses.ground.height_at(x)]);
+    let [across, base] = view.pixel([x, y, poses.ground.height_at(x, if view.side == Side::Front { y } else { 0.0 })]);
     let camera = translate([0.5 * width - across, stage.size[1] - base]);
     html! {
         svg.figure.stage viewBox={ "0 0 " (Px(width)) " " (Px(SIZE[1])) } preserveAspectRatio="xMidYMid slice"

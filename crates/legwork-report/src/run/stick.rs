@@ -2,7 +2,6 @@
 
 use legwork::Robot;
 use legwork::episode::Run;
-use legwork::generator::xcom::{eigenfrequency, xcom};
 use legwork::log::Field;
 use legwork::terrain::Terrain;
 use legwork_rbd::{Body, Dynamics, Model};
@@ -168,7 +167,8 @@ impl<'a> Poses<'a> {
         let (points, com, time) = (points.collect::<Vec<_>>(), spatial(log.get(index, Field::Com)), log.time(index));
         let feet = log.get(index, Field::FeetReference);
         let reference = spatial(log.get(index, Field::ComReference));
-        let ahead = log.get(index, Field::Xcom)[0];
+        let xcom = log.get(index, Field::Xcom);
+        let [x, y] = [xcom[0], *xcom.get(1).unwrap_or(&0.0)];
         let pushes = run.scenario.pushes.iter().zip(&skeleton.pushed).map(|(push, place)| {
             let force: Spatial = (push.force_n * push.direction()).into();
             let acts = (push.start_s..push.start_s + push.duration_s).contains(&(time + 1e-9));
@@ -178,7 +178,7 @@ impl<'a> Poses<'a> {
             time,
             com,
             com_reference: reference,
-            xcom: [ahead, sideways_xcom(run, ground, index), ground.height_at(ahead)],
+            xcom: [x, y, ground.height_at(x, y)],
             feet: [spatial(&feet[..d]), spatial(&feet[3 * d..4 * d])],
             forces: log.get(index, Field::Grf).chunks_exact(d).map(spatial).collect(),
             pushes: pushes.collect(),
@@ -192,7 +192,7 @@ impl<'a> Poses<'a> {
             return 1.0;
         }
         let pose = self.at(0);
-        let height = |point: &Spatial| point[2] - self.ground.height_at(point[0]);
+        let height = |point: &Spatial| point[2] - self.ground.height_at(point[0], point[1]);
         pose.points.iter().map(height).fold(0.01, f64::max)
     }
 
@@ -215,16 +215,6 @@ impl<'a> Poses<'a> {
             [unit[from as usize], unit.z]
         })
     }
-}
-
-/// The XcoM along y [m]: it is not in the log, but follows from what is, as the one along x does.
-pub(super) fn sideways_xcom(run: &Run, ground: &Terrain, index: usize) -> f64 {
-    if run.model.is_planar() {
-        return 0.0;
-    }
-    let [x, _, z] = [0, 1, 2].map(|axis| run.log.get(index, Field::ComReference)[axis]);
-    let omega = eigenfrequency(run.model.gravity, z - ground.height_at(x));
-    xcom(run.log.get(index, Field::Com)[1], run.log.get(index, Field::ComVelocity)[1], omega)
 }
 
 /// From where the robot is looked at; its number is that of the axis that runs across the paper.
@@ -339,11 +329,11 @@ impl View {
     }
 
     /// The ground from `from` to `to` [m] with a tick and a number at each multiple of `step`, `deep` pixels deep. From the
-    /// front it is as high as below a robot at `x` [m].
+    /// front it is that below a robot at `x` [m], from the right that at y = 0.
     pub(super) fn ground(&self, ground: &Terrain, x: f64, [from, to]: Planar, step: f64, deep: f64) -> Markup {
         let at = |across: f64| match self.side {
-            Side::Right => self.pixel([across, 0.0, ground.height_at(across)]),
-            Side::Front => self.pixel([x, across, ground.height_at(x)]),
+            Side::Right => self.pixel([across, 0.0, ground.height_at(across, 0.0)]),
+            Side::Front => self.pixel([x, across, ground.height_at(x, across)]),
         };
         let knots = if self.side == Side::Right { ground.knots([from, to]) } else { vec![from, to] };
         let surface: Vec<Planar> = knots.into_iter().map(at).collect();

@@ -70,9 +70,9 @@ impl Strip {
             @for (index, pose) in self.poses.iter().enumerate() {
                 @for (row, view) in views.iter().enumerate() {
                     @let middle = middle(pose, view.side);
-                    @let below = if view.side == Side::Right { middle } else { pose.com[0] };
+                    @let [below, aside] = if view.side == Side::Right { [middle, 0.0] } else { [pose.com[0], middle] };
                     @let ends = [middle - 0.5 * metres, middle + 0.5 * metres];
-                    @let [left, base] = [view.scale * ends[0], -view.scale * self.ground.height_at(below)];
+                    @let [left, base] = [view.scale * ends[0], -view.scale * self.ground.height_at(below, aside)];
                     @let upper = top + GAP + (index / columns) as f64 * (sides * down + GAP) + row as f64 * down;
                     svg x=(Px((index % columns) as f64 * (across + GAP))) y=(Px(upper)) width=(Px(across)) height=(Px(down))
                         viewBox={ (Px(left)) " " (Px(base - above)) " " (Px(across)) " " (Px(down)) } {

@@ -6,6 +6,9 @@
 //! measured from the ankle, r from it to the edge. Measured from the edge, `e_N = d_N − r`, that is
 //! `e₀ = 0`, `e_N = (l + e_{N−1}) e^{−ωT}`, whatever the foot.
 
+use super::Point;
+use super::support::along;
+
 /// What a step may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepLimits {
@@ -17,9 +20,13 @@ pub struct StepLimits {
     pub double_support_s: f64,
 }
 
-/// A moment of a walk, as its capturability depends on it.
+/// A moment of a walk, as its capturability depends on it along one direction. In space that is the way out of the base of support
+/// ([`super::support`]), and the region of a number of steps is between the lines that the two ends of the support move to:
+/// the region that the steps along the walking direction reach lies between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capture {
+    /// The unit direction along which it is measured; x in the plane.
+    pub way: Point,
     /// Eigenfrequency of the pendulum [1/s].
     pub omega: f64,
     /// Ends of the base of support, where the centre of pressure can be [m].
@@ -32,8 +39,21 @@ pub struct Capture {
     pub landing_s: f64,
 }
 
+impl StepLimits {
+    /// What of the steps counts along a direction whose component along the walking direction is `share`.
+    pub fn along(&self, share: f64) -> Self {
+        let [back, front] = self.longest;
+        Self { longest: [-share, share].map(|share| (share * front).max(-share * back)), ..*self }
+    }
+}
+
 impl Capture {
-    /// Ends of the places of the XcoM from which `steps` are enough [m]; with none, any number of steps.
+    /// The component of a place along the direction [m].
+    pub fn along(&self, place: Point) -> f64 {
+        along(self.way, place)
+    }
+
+    /// Ends of the places of the XcoM along the direction from which `steps` are enough [m]; with none, any number of steps.
     pub fn region(&self, steps: Option<u32>) -> [f64; 2] {
         if steps == Some(0) {
             return self.support;
@@ -47,7 +67,7 @@ impl Capture {
         })
     }
 
-    /// Steps that are needed with the XcoM at `xcom` [m]; none where no number of them is enough.
+    /// Steps that are needed with the XcoM at `xcom` along the direction [m]; none where no number of them is enough.
     pub fn steps(&self, xcom: f64) -> Option<u32> {
         let side = usize::from(xcom > self.support[1]);
         let sign = SIGNS[side];
@@ -93,7 +113,14 @@ mod tests {
 
     /// A foot from heel to toe, 0.2 s from the next landing.
     fn moment() -> Capture {
-        Capture { omega: OMEGA, support: [-0.06, 0.18], feet: [-0.06, 0.18], limits: LIMITS, landing_s: 0.2 }
+        Capture {
+            way: [1.0, 0.0],
+            omega: OMEGA,
+            support: [-0.06, 0.18],
+            feet: [-0.06, 0.18],
+            limits: LIMITS,
+            landing_s: 0.2,
+        }
     }
 
     /// The pendulum itself, ẍ = ω² (x − p), for `time` [s]; `state` is place and velocity of its mass. Runge-Kutta

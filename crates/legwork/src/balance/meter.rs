@@ -2,40 +2,44 @@
 
 use legwork_rbd::{Dynamics, Model};
 
+use nalgebra::Vector3;
+
+use super::support::{along, ends, way_out};
 use super::{
-    Capture, Centroidal, Planar, StepLimits, centre_of_pressure, centroidal_moment_pivot, margin, zero_moment_point,
+    Capture, Centroidal, Point, StepLimits, centre_of_pressure, centroidal_moment_pivot, margin, zero_moment_point,
 };
+use crate::feet::FeetMotion;
 use crate::generator::xcom::{eigenfrequency, xcom};
 use crate::log::{Field, Log};
 use crate::robot::Robot;
 use crate::scenario::{GeneratorKind, Push, Scenario};
 use crate::terrain::Terrain;
 
-/// The measures of a record, along x [m].
+/// The measures of a record [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measures {
     /// Centre of pressure; none in flight.
-    pub cop: Option<f64>,
+    pub cop: Option<Point>,
     /// Centroidal moment pivot; none in flight.
-    pub cmp: Option<f64>,
+    pub cmp: Option<Point>,
     /// Zero-moment point of the momentum rate that the planner wants, fictitious where it is outside of the support; none
     /// where the planner wants no force on the ground.
-    pub wanted_zmp: Option<f64>,
+    pub wanted_zmp: Option<Point>,
     /// Extrapolated centre of mass, with the pendulum as long as the centre of mass is high.
-    pub xcom: f64,
-    /// Support and capturability; none where no contact point touches the ground.
+    pub xcom: Point,
+    /// Support and capturability along the way out of the support; none where no contact point touches the ground.
     pub capture: Option<Capture>,
 }
 
 impl Measures {
-    /// How far the XcoM is inside of the base of support [m].
+    /// How far the XcoM is inside of the base of support: the distance to its nearest edge, negative outside [m].
     pub fn margin(&self) -> Option<f64> {
-        self.capture.map(|capture| margin(capture.support, self.xcom))
+        self.capture.map(|capture| margin(capture.support, capture.along(self.xcom)))
     }
 
     /// Steps needed to come to a stop; none where no number is enough, or without a support.
     pub fn steps(&self) -> Option<u32> {
-        self.capture.and_then(|capture| capture.steps(self.xcom))
+        self.capture.and_then(|capture| capture.steps(capture.along(self.xcom)))
     }
 }
 
@@ -43,15 +47,14 @@ impl Measures {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
     time: f64,
-    com: Planar,
+    com: Vector3<f64>,
     momentum: Centroidal,
 }
 
 impl Moment {
     /// That of `model` at `time` [s] in the state of `dynamics`, with the joint velocities `v`. Allocates nothing.
     pub fn new(time: f64, model: &Model, dynamics: &Dynamics, v: &[f64]) -> Self {
-        let com = [dynamics.com.x, dynamics.com.z];
-        Self { time, com, momentum: Centroidal::momentum(model, dynamics, v) }
+        Self { time, com: dynamics.com, momentum: Centroidal::momentum(model, dynamics, v) }
     }
 }
 
@@ -67,12 +70,17 @@ pub struct Meter {
     pushes: Vec<Push>,
     /// The foot of each contact point.
     foot_of: Vec<usize>,
+    /// The contact points at the heels, then those at the toes; none for a planar robot.
+    ends: [Vec<usize>; 2],
 }
 
 impl Meter {
     /// A meter for `model` in `scenario`.
     pub fn new(scenario: &Scenario, model: &Robot) -> Self {
+        let feet = FeetMotion::new(model);
+        let spatial = if model.is_planar() { 0 } else { model.feet.len() };
         Self {
+            ends: [0, 1].map(|end| (0..spatial).flat_map(|foot| feet.ends(foot)[end].iter().copied()).collect()),
             ground: scenario.terrain(model),
             believed: scenario.believed_terrain(model),
             weight: model.total_mass() * model.gravity,
@@ -91,59 +99,89 @@ impl Meter {
     /// The measures of a record whose values are those that `get` gives. Allocates nothing.
     pub fn of<'a>(&self, get: impl Fn(Field) -> &'a [f64]) -> Measures {
         let axes = get(Field::Com).len();
-        let planar = move |values: &[f64]| [values[0], values[axes - 1]];
-        let com = planar(get(Field::Com));
-        let ground = self.ground.line_at(com[0]);
-        let points = get(Field::Feet).chunks_exact(axes).map(planar);
-        let forces = get(Field::GrfSimulated).chunks_exact(axes).map(planar);
-        let force = forces.clone().fold([0.0; 2], |sum, force| [sum[0] + force[0], sum[1] + force[1]]);
+        let com = vector(get(Field::Com));
+        let ground = self.ground.plane_at(com.x, com.y);
+        let points = get(Field::Feet).chunks_exact(axes).map(vector);
+        let forces = get(Field::GrfSimulated).chunks_exact(axes).map(vector);
+        let force = forces.clone().fold(Vector3::zeros(), |sum, force| sum + force);
         let wanted = Some(get(Field::MomentumRateGoal)).filter(|rows| !rows.is_empty()).map(Centroidal::of_rows);
         let wanted = wanted.map(|rate| rate.of_ground(self.weight, &Centroidal::default()));
-        let omega = eigenfrequency(self.gravity, com[1] - ground.at(com[0]));
+        let omega = eigenfrequency(self.gravity, com.z - ground.z);
+        let velocity = vector(get(Field::ComVelocity));
+        let xcom = [xcom(com.x, velocity.x, omega), xcom(com.y, velocity.y, omega)];
         Measures {
             cop: centre_of_pressure(&ground, self.weight, points.zip(forces)),
-            cmp: centroidal_moment_pivot(&ground, self.weight, com, force),
-            wanted_zmp: wanted.and_then(|wanted| zero_moment_point(&ground, self.weight, com, &wanted)),
-            xcom: xcom(com[0], get(Field::ComVelocity)[0], omega),
-            capture: self.capture(get, omega),
+            cmp: centroidal_moment_pivot(&ground, self.weight, &com, force),
+            wanted_zmp: wanted.and_then(|wanted| zero_moment_point(&ground, self.weight, &com, &wanted)),
+            xcom,
+            capture: self.capture(&get, omega, self.way_out(&get, xcom)),
         }
     }
 
-    fn capture<'a>(&self, get: impl Fn(Field) -> &'a [f64], omega: f64) -> Option<Capture> {
+    /// The direction in which the XcoM is nearest to leaving the base of support, or has left it: that of x in the plane.
+    fn way_out<'a>(&self, get: impl Fn(Field) -> &'a [f64], xcom: Point) -> Point {
+        if get(Field::Com).len() == 2 {
+            return [1.0, 0.0];
+        }
+        let touching = get(Field::Touching).iter().zip(get(Field::Feet).chunks_exact(3));
+        let support = touching.filter(|(flag, _)| **flag > 0.5).map(|(_, point)| [point[0], point[1]]);
+        way_out(support, xcom).unwrap_or_else(|| self.ahead(get))
+    }
+
+    /// The walking direction in a record whose values are those that `get` gives, a horizontal unit vector: the feet's, from their
+    /// heels to their toes; that of x in the plane, and where feet have no length. Allocates nothing.
+    pub fn ahead<'a>(&self, get: impl Fn(Field) -> &'a [f64]) -> Point {
+        let sum = |points: &[usize]| -> Vector3<f64> {
+            points.iter().map(|&point| vector(&get(Field::Feet)[3 * point..][..3])).sum::<Vector3<f64>>()
+                / points.len() as f64
+        };
+        let [heels, toes] = self.ends.each_ref().map(|points| sum(points));
+        let way = toes - heels;
+        let length = libm::hypot(way.x, way.y);
+        if length > 1e-6 { [way.x / length, way.y / length] } else { [1.0, 0.0] }
+    }
+
+    /// Support and capturability along the unit direction `way` in a record whose values are those that `get` gives; none where no
+    /// contact point touches the ground. Allocates nothing.
+    pub fn capture_along<'a>(&self, get: impl Fn(Field) -> &'a [f64], way: Point) -> Option<Capture> {
+        let com = vector(get(Field::Com));
+        self.capture(&get, eigenfrequency(self.gravity, com.z - self.ground.height_at(com.x, com.y)), way)
+    }
+
+    fn capture<'a>(&self, get: impl Fn(Field) -> &'a [f64], omega: f64, way: Point) -> Option<Capture> {
         let axes = get(Field::Com).len();
         let touching = get(Field::Touching);
         let stands = |foot: usize| self.foot_of.iter().zip(touching).any(|(of, flag)| *of == foot && *flag > 0.5);
-        let points = || get(Field::Feet).chunks_exact(axes).map(|point| point[0]).enumerate();
+        let place = |point: &[f64]| if axes == 2 { point[0] } else { along(way, [point[0], point[1]]) };
+        let points = || get(Field::Feet).chunks_exact(axes).map(place).enumerate();
         let support = ends(points().filter(|(k, _)| touching[*k] > 0.5).map(|(_, x)| x))?;
         let feet = ends(points().filter(|(k, _)| stands(self.foot_of[*k])).map(|(_, x)| x))?;
+        let limits = if axes == 2 { self.limits } else { self.limits.along(along(way, self.ahead(&get))) };
         let landing_s = match *get(Field::Swing) {
             [foot, since] if foot >= 0.0 => (self.limits.swing_s - (get(Field::Time)[0] - since)).max(0.0),
             _ => self.limits.double_support_s + self.limits.swing_s,
         };
-        Some(Capture { omega, support, feet, limits: self.limits, landing_s })
+        Some(Capture { way, omega, support, feet, limits, landing_s })
     }
 
     /// The zero-moment point [m] of how the robot moved from one moment to another, `dynamics` being those of the second;
     /// none in flight. Allocates nothing.
-    pub fn zmp(&self, model: &Model, dynamics: &Dynamics, before: &Moment, after: &Moment) -> Option<f64> {
+    pub fn zmp(&self, model: &Model, dynamics: &Dynamics, before: &Moment, after: &Moment) -> Option<Point> {
         let period = after.time - before.time;
         if period <= 0.0 {
             return None;
         }
-        let com = std::array::from_fn(|axis| 0.5 * (before.com[axis] + after.com[axis]));
-        let rate = |from: f64, to: f64| (to - from) / period;
+        let com = 0.5 * (before.com + after.com);
         let (from, to) = (&before.momentum, &after.momentum);
-        let rate = Centroidal {
-            linear: std::array::from_fn(|axis| rate(from.linear[axis], to.linear[axis])),
-            angular: rate(from.angular, to.angular),
-        };
+        let rate =
+            Centroidal { linear: (to.linear - from.linear) / period, angular: (to.angular - from.angular) / period };
         let push = Centroidal::of_pushes(&self.pushes, model, dynamics, [before.time, after.time]);
-        let ground = self.ground.line_at(com[0]);
-        zero_moment_point(&ground, self.weight, com, &rate.of_ground(self.weight, &push))
+        let ground = self.ground.plane_at(com.x, com.y);
+        zero_moment_point(&ground, self.weight, &com, &rate.of_ground(self.weight, &push))
     }
 
     /// The zero-moment point of each record of `log` up to the next [m]; none in flight and for the last.
-    pub fn zmps(&self, model: &Model, log: &Log) -> Vec<Option<f64>> {
+    pub fn zmps(&self, model: &Model, log: &Log) -> Vec<Option<Point>> {
         let mut dynamics = Dynamics::new(model);
         let mut before = None;
         let mut zmps = Vec::with_capacity(log.len());
@@ -161,14 +199,14 @@ impl Meter {
 
     /// Where the XcoM should be in a record whose values are those that `get` gives [m]: as the walker plans it, else as the CoM's
     /// reference has it; none without a reference. Allocates nothing.
-    pub fn xcom_reference<'a>(&self, get: impl Fn(Field) -> &'a [f64]) -> Option<f64> {
+    pub fn xcom_reference<'a>(&self, get: impl Fn(Field) -> &'a [f64]) -> Option<Point> {
         if let Some(reference) = get(Field::Balance).get(1) {
-            return Some(*reference);
+            return Some([*reference, *get(Field::Balance).get(9).unwrap_or(&0.0)]);
         }
         let (axes, com) = (get(Field::Com).len(), get(Field::ComReference));
-        let place = com.get(..=axes)?;
-        let omega = eigenfrequency(self.gravity, place[axes - 1] - self.believed.height_at(place[0]));
-        Some(xcom(place[0], place[axes], omega))
+        let [place, velocity] = [vector(com.get(..axes)?), vector(com.get(axes..2 * axes)?)];
+        let omega = eigenfrequency(self.gravity, place.z - self.believed.height_at(place.x, place.y));
+        Some([xcom(place.x, velocity.x, omega), xcom(place.y, velocity.y, omega)])
     }
 }
 
@@ -196,7 +234,7 @@ impl StepLimits {
     }
 }
 
-/// Smallest and largest of `places`.
-fn ends(places: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
-    places.fold(None, |ends, x| Some(ends.map_or([x, x], |[low, high]: [f64; 2]| [low.min(x), high.max(x)])))
+/// The vector of components along a model's linear axes: two in the plane, three in space.
+fn vector(parts: &[f64]) -> Vector3<f64> {
+    Vector3::new(parts[0], if parts.len() == 3 { parts[1] } else { 0.0 }, parts[parts.len() - 1])
 }

@@ -6,6 +6,8 @@ use legwork_rbd::Model;
 
 use super::FirstCause;
 use super::reach::Steps;
+use crate::balance::support::along;
+use crate::balance::{Meter, Point};
 use crate::feet::FootRows;
 use crate::generator::xcom;
 use crate::log::{Field, Log};
@@ -48,6 +50,8 @@ pub(super) struct Evidence<'a> {
     pub(super) believed: Terrain,
     /// Number of linear axes.
     pub(super) axes: usize,
+    /// The walking direction, a horizontal unit vector: that at the begin of the log.
+    ahead: Point,
     feet: Vec<FootRows>,
     pub(super) tasks: &'a [Task],
     actuated: Vec<usize>,
@@ -65,7 +69,23 @@ impl<'a> Evidence<'a> {
         let (stretches, saturations) = (stretches(log), saturations(model, limits));
         let (feet, steps) = (FootRows::of(model), Steps::of(scenario, model));
         let actuated = model.actuated().collect();
-        Self { scenario, model, log, stretches, saturations, steps, ground, believed, axes, feet, tasks, actuated }
+        let ahead =
+            if log.is_empty() { [1.0, 0.0] } else { Meter::new(scenario, model).ahead(|field| log.get(0, field)) };
+        Self {
+            scenario,
+            model,
+            log,
+            stretches,
+            saturations,
+            steps,
+            ground,
+            believed,
+            axes,
+            ahead,
+            feet,
+            tasks,
+            actuated,
+        }
     }
 
     pub(super) fn time(&self, i: usize) -> f64 {
@@ -100,9 +120,22 @@ impl<'a> Evidence<'a> {
         self.log.get(i, Field::Torso)[0] - self.log.get(i, Field::TorsoReference)[0]
     }
 
-    /// Place of a foot along x [m].
-    pub(super) fn foot_x(&self, i: usize, foot: usize) -> f64 {
-        self.log.foot(i, foot).next().expect("a foot has a place")
+    /// Place of a foot along x and y [m].
+    pub(super) fn foot_at(&self, i: usize, foot: usize) -> [f64; 2] {
+        let mut place = self.log.foot(i, foot);
+        let mut next = || place.next().expect("a foot has a place");
+        let x = next();
+        [x, if self.axes == 3 { next() } else { 0.0 }]
+    }
+
+    /// Place of a foot along the walking direction [m].
+    pub(super) fn foot_ahead(&self, i: usize, foot: usize) -> f64 {
+        along(self.ahead, self.foot_at(i, foot))
+    }
+
+    /// Part of a foot's goal along the walking direction: 0 where it should be, 1 how fast it should move, 2 accelerate [m, m/s, m/s²].
+    pub(super) fn goal_ahead(&self, i: usize, foot: usize, part: usize) -> f64 {
+        along(self.ahead, below(&self.foot_goal(i, foot)[part * self.axes..][..self.axes]))
     }
 
     /// Where a foot should be, then how fast it should move and accelerate [m, m/s, m/s²].
@@ -200,8 +233,9 @@ impl<'a> Evidence<'a> {
 
     /// Eigenfrequency of the pendulum [1/s], as the reference generator has it.
     pub(super) fn omega(&self, i: usize) -> f64 {
-        let com = self.log.get(i, Field::ComReference);
-        xcom::eigenfrequency(self.model.gravity, com[self.axes - 1] - self.ground.height_at(com[0]))
+        let com = &self.log.get(i, Field::ComReference)[..self.axes];
+        let [x, y] = below(com);
+        xcom::eigenfrequency(self.model.gravity, com[self.axes - 1] - self.ground.height_at(x, y))
     }
 
     /// The value of a limit; of a joint's range, the end that it moves to in tick `i` [Nm, N, rad/s², 1, rad].
@@ -225,6 +259,11 @@ impl<'a> Evidence<'a> {
     pub(super) fn assumed_friction(&self) -> f64 {
         self.believed.base().friction
     }
+}
+
+/// The place on the ground below a point, of which there are the components along the linear axes [m].
+pub(super) fn below(point: &[f64]) -> Point {
+    [point[0], if point.len() == 3 { point[1] } else { 0.0 }]
 }
 
 /// The steps and double supports of a log.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::evidence::Evidence;
+use super::evidence::{Evidence, below};
 use crate::log::Field;
 
 /// A foot carries load from this share of the robot's weight on; less than that drags without effect.
@@ -22,7 +22,11 @@ impl Evidence<'_> {
         let cos = libm::cos(self.ground.base().slope);
         let moved = |i: usize| {
             let point = self.bearing(i, foot);
-            (self.point(i + 1, point)[0] - self.point(i, point)[0]).abs() / cos
+            let (before, after) = (self.point(i, point), self.point(i + 1, point));
+            match self.axes {
+                2 => (after[0] - before[0]).abs() / cos,
+                _ => libm::sqrt(after.iter().zip(before).map(|(after, before)| (after - before).powi(2)).sum()),
+            }
         };
         ticks.filter(|&i| loaded(i)).map(moved).sum()
     }
@@ -45,14 +49,14 @@ impl Evidence<'_> {
 
     /// The friction below a foot in tick `i`, and the one that the controller counts on there.
     pub(super) fn friction_below(&self, i: usize, foot: usize) -> [f64; 2] {
-        let x = self.point(i, self.bearing(i, foot))[0];
-        [&self.ground, &self.believed].map(|ground| ground.friction_at(x))
+        let [x, y] = below(self.point(i, self.bearing(i, foot)));
+        [&self.ground, &self.believed].map(|ground| ground.friction_at(x, y))
     }
 
     /// How much lower the ground below a foot is in tick `i` than the controller believes [m].
     pub(super) fn lower(&self, i: usize, foot: usize) -> f64 {
-        let x = self.foot_x(i, foot);
-        self.believed.height_at(x) - self.ground.height_at(x)
+        let [x, y] = self.foot_at(i, foot);
+        self.believed.height_at(x, y) - self.ground.height_at(x, y)
     }
 
     /// How much lower the ground below a foot is in tick `i` than the slope has it that the controller believes in, from the other
@@ -63,8 +67,9 @@ impl Evidence<'_> {
                 let [a, b] = [*a, *b].map(|point| self.point(i, point)[self.axes - 1]);
                 a.total_cmp(&b)
             };
-            let x = self.point(i, self.model.points_of(foot).min_by(lowest).expect("a foot has a contact point"))[0];
-            self.ground.height_at(x) - self.believed.base().height_at(x)
+            let [x, y] =
+                below(self.point(i, self.model.points_of(foot).min_by(lowest).expect("a foot has a contact point")));
+            self.ground.height_at(x, y) - self.believed.base().height_at(x, y)
         };
         height(1 - foot) - height(foot)
     }

@@ -65,17 +65,17 @@ impl WalkerSteps {
         let log = evidence.log;
         let (tick, capture, xcom) = (0..=i).rev().find_map(|tick| {
             let measures = self.meter.at(log, tick);
-            measures.capture.map(|capture| (tick, capture, measures.xcom))
+            measures.capture.map(|capture| (tick, capture, measures.xcom[0]))
         })?;
         let [low, high] = capture.support;
         let (way, end) = if xcom - low > high - xcom { (1.0, high) } else { (-1.0, low) };
         let from_end = |x: f64| way * (x - end);
-        let feet = [0, 1].map(|foot| from_end(evidence.foot_x(tick, foot)));
+        let feet = [0, 1].map(|foot| from_end(evidence.foot_ahead(tick, foot)));
         let stretch = evidence.stretch(tick);
         let lasted = evidence.time(tick) - evidence.time(stretch.ticks.start);
         let (foot, swinging, elapsed, wait) = match stretch.foot {
             Some(foot) => {
-                let [value, rate, acceleration] = [0, 1, 2].map(|k| evidence.foot_goal(tick, foot)[k * evidence.axes]);
+                let [value, rate, acceleration] = [0, 1, 2].map(|k| evidence.goal_ahead(tick, foot, k));
                 let goal = Motion { value: from_end(value), rate: way * rate, acceleration: way * acceleration };
                 (foot, goal, lasted, 0.0)
             }

@@ -18,7 +18,7 @@ mod words;
 use legwork_rbd::Dynamics;
 
 use crate::contract::Sensed;
-use crate::feet::pitched;
+use crate::feet::{headed, level, pitched};
 use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::terrain::Terrain;
@@ -92,7 +92,7 @@ pub fn fall(
         };
         return at(Cause::BodyTouches { part: part.clone() });
     }
-    let height = dynamics.com.z - ground.height_at(dynamics.com.x);
+    let height = dynamics.com.z - ground.height_at(dynamics.com.x, dynamics.com.y);
     let lowest = settings.min_com_height_fraction * scenario.start.com_height_m;
     if height < lowest {
         return at(Cause::ComTooLow { height, lowest });
@@ -101,11 +101,12 @@ pub fn fall(
     let angle = if model.is_planar() {
         model.torso_angle(dynamics, &truth.q) - reference
     } else {
-        // Of the torso's upward axis, whatever way it leans; as if counter-clockwise where it leans back.
-        let [up, wanted] =
-            [dynamics.world_from_body[model.torso].rotation, pitched(reference)].map(|r| r.column(2).into_owned());
+        // Of the torso's upward axis, whatever way it leans; as if counter-clockwise where it leans back from where it points.
+        let torso = &dynamics.world_from_body[model.torso].rotation;
+        let ahead = level(&torso.column(0).into_owned());
+        let (up, wanted) = (torso.column(2).into_owned(), headed(&ahead) * pitched(reference).column(2));
         let lean = libm::atan2(wanted.cross(&up).norm(), wanted.dot(&up));
-        if up.x > wanted.x { -lean } else { lean }
+        if (up - wanted).dot(&ahead) > 0.0 { -lean } else { lean }
     };
     if angle.abs() > settings.max_torso_angle_deg.to_radians() {
         return at(Cause::TorsoLeans { angle });

@@ -17,7 +17,7 @@ use crate::scenario::{GeneratorKind, Scenario, StepSettings};
 const LONGEST_STEP: f64 = 1.4;
 /// A foot of the step machine is late when its step has lasted this many times its duration: healthy ones last up to 1.3.
 const LATE: f64 = 1.5;
-/// A foot whose reference is slower than this along x is above its place [m/s].
+/// A foot whose reference is slower than this along the walking direction is above its place [m/s].
 const ARRIVED: f64 = 1e-3;
 
 /// What makes the steps.
@@ -116,7 +116,7 @@ impl Evidence<'_> {
     /// XcoM and feet as the step under way leaves them, or as they are in double support: how far the XcoM is past
     /// the front foot, and how far the feet are apart [m].
     pub(super) fn past_front(&self, step: &StepSettings, i: usize) -> (f64, f64) {
-        let (mut xcom, mut feet) = (self.log.get(i, Field::Xcom)[0], [self.foot_x(i, 0), self.foot_x(i, 1)]);
+        let (mut xcom, mut feet) = (self.log.get(i, Field::Xcom)[0], [self.foot_ahead(i, 0), self.foot_ahead(i, 1)]);
         let stretch = self.stretch(i);
         if let Some(foot) = stretch.foot {
             let left = (step.duration_s - (self.time(i) - self.time(stretch.ticks.start))).max(0.0);
@@ -137,19 +137,19 @@ impl Evidence<'_> {
         past - ((step.max_length_m - apart) * growth + apart) / (growth * growth - 1.0)
     }
 
-    /// Where the step machine's foot that swings in `stretch` should come down along x [m], by the latest plan.
+    /// Where the step machine's foot that swings in `stretch` should come down along the walking direction [m], by the latest plan.
     fn planned(&self, step: &StepSettings, stretch: &Stretch, foot: usize) -> f64 {
         let (first, last) = (stretch.ticks.start, stretch.ticks.end - 1);
         let duration = step.duration_s;
         let elapsed = (self.time(last) - self.time(first)).min(duration);
         let done = swing::forward(elapsed, duration, 1.0).value;
-        let from = self.foot_goal(first, foot)[0];
-        if done > 0.0 { from + (self.foot_goal(last, foot)[0] - from) / done } else { from }
+        let from = self.goal_ahead(first, foot, 0);
+        if done > 0.0 { from + (self.goal_ahead(last, foot, 0) - from) / done } else { from }
     }
 
     /// The tick from which on a walker's foot that swings in `stretch` is above its place; none where it never came that far.
     fn due(&self, stretch: &Stretch, foot: usize) -> Option<usize> {
-        let above = |&i: &usize| self.foot_goal(i, foot)[self.axes].abs() < ARRIVED;
+        let above = |&i: &usize| self.goal_ahead(i, foot, 1).abs() < ARRIVED;
         stretch.ticks.clone().rev().take_while(above).last()
     }
 
@@ -168,9 +168,9 @@ impl Evidence<'_> {
         }
         let place = match &self.steps {
             Steps::Machine(step) => self.planned(step, stretch, foot),
-            _ => self.foot_goal(self.due(stretch, foot)?, foot)[0],
+            _ => self.goal_ahead(self.due(stretch, foot)?, foot, 0),
         };
-        let way = place - self.foot_goal(stretch.ticks.start, foot)[0];
-        Some((place - self.foot_x(landed, foot)) * way.signum())
+        let way = place - self.goal_ahead(stretch.ticks.start, foot, 0);
+        Some((place - self.foot_ahead(landed, foot)) * way.signum())
     }
 }

@@ -59,6 +59,7 @@ const FIXED: [(&str, &[&str]); 8] = [
         "the ground's shape, and what the controller is told of it, are made before the first tick",
         &[
             "ground.slope_deg",
+            "ground.cross_slope_deg",
             "ground.known",
             "ground.profile",
             "ground.unevenness_m",
@@ -120,11 +121,16 @@ pub(crate) fn in_use(scenario: &Scenario) -> Value {
     let unused: Vec<&str> =
         USED_WITH.map(|(outer, ..)| outer).into_iter().filter(|outer| idle(&mut tree, outer).is_some()).collect();
     for outer in unused {
-        let (table, key) = outer.rsplit_once('.').unwrap_or(("", outer));
-        let table = if table.is_empty() { Some(&mut tree) } else { at(&mut tree, table) };
-        table.and_then(Value::as_table_mut).map(|table| table.remove(key));
+        remove(&mut tree, outer);
     }
     tree
+}
+
+/// Takes the setting or table at `path` out of `tree`.
+pub(crate) fn remove(tree: &mut Value, path: &str) {
+    let (table, key) = split(path);
+    let table = if table.is_empty() { Some(tree) } else { at(tree, table) };
+    table.and_then(Value::as_table_mut).map(|table| table.remove(key));
 }
 
 impl Setting {

@@ -119,7 +119,14 @@ pub const SETTINGS: &[Setting] = &[
     //
     number("ground.friction", "", FRICTION, FITTED, "Coefficient of friction.").called("mu"),
     number("ground.slope_deg", "deg", SLOPE, "thesis, flat ground", "Slope, upward in x.").called("theta"),
-    setting("ground.known", Valid::Bool, OURS, "Whether the controller is given the true friction and slope."),
+    number(
+        "ground.cross_slope_deg",
+        "deg",
+        SLOPE,
+        OURS,
+        "Slope across, upward in y; robots in space only. A controller that is not told the slopes assumes none across.",
+    ),
+    setting("ground.known", Valid::Bool, OURS, "Whether the controller is given the true friction and slopes."),
     setting("ground.profile", Valid::Rows(&PROFILE), OURS, "Heights above the plane, joined by straight lines."),
     number("ground.unevenness_m", "m", [0.0, 0.5], OURS, "Random heights besides, as much up and down."),
     number("ground.unevenness_spacing_m", "m", [0.02, 10.0], OURS, "Distance of the points that have them."),
@@ -180,7 +187,7 @@ pub const SETTINGS: &[Setting] = &[
         "reference.stance.sway_m",
         Valid::Row(&SWAY),
         OURS,
-        "Amplitude of the sway of the centre of mass along x, y, z.",
+        "Amplitude of the sway of the centre of mass ahead, to the left and up.",
     )
     .measured_in("m"),
     number("reference.stance.squat_m", "m", [0.0, 1.0], OURS, "Depth of a squat."),

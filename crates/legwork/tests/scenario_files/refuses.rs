@@ -19,7 +19,7 @@ fn unknown_keys() {
     refuses(
         "ground = { wet = true }\n",
         "my.toml:1: ground.wet",
-        &["valid here: friction, known, patches, profile, relief_known, slope_deg"],
+        &["valid here: cross_slope_deg, friction, known, patches, profile, relief_known, slope_deg"],
     );
     refuses("\"a\\nb\" = 1\n", "my.toml:1: a\\nb", &["unknown; valid here"]);
 }
@@ -46,7 +46,9 @@ fn wrong_types() {
     refuses(
         "ground = 3\n",
         "my.toml:1: ground",
-        &["found 3; valid is a table with the keys friction, known, patches, profile, relief_known, slope_deg"],
+        &[
+            "found 3; valid is a table with the keys cross_slope_deg, friction, known, patches, profile, relief_known, slope_deg",
+        ],
     );
     refuses("[[ground]]\nknown = true\n", "my.toml:1: ground", &["found a list; valid is a table"]);
     let rows = "reference.com.waypoints = [\n[0, 0, 0.9],\n[1, 0],\n]\n";

@@ -10,7 +10,7 @@ fn unknown_paths_on_the_command_line() {
     refuses_set(
         "ground.fricton=1",
         "--set ground.fricton",
-        &["did you mean ground.friction?", "valid here: friction, known"],
+        &["did you mean ground.friction?", "valid here: cross_slope_deg, friction, known"],
     );
     refuses_set("contoller.weights.feet=1", "--set contoller.weights.feet", &["did you mean controller.weights.feet?"]);
     refuses_set("torque_nm=1", "--set torque_nm", &["did you mean controller.limits.torque_nm?"]);

@@ -74,7 +74,7 @@ impl Walker {
         let ahead = stance.x + self.choice.length;
         let mut steepness = self.grade.steepness;
         if (ahead - stance.x).abs() > LONG_ENOUGH {
-            let seen = Line::through([stance.x, stance.z], [ahead, self.ground.height_at(ahead)]).steepness;
+            let seen = Line::through([stance.x, stance.z], [ahead, self.ground.height_at(ahead, 0.0)]).steepness;
             steepness += GRADE_SHARE * (seen - steepness);
         }
         self.grade = Line { x: stance.x, z: stance.z, steepness };
@@ -85,7 +85,7 @@ impl Walker {
         if !self.ground_known {
             return Flat::new(x, self.grade.at(x), libm::atan(self.grade.steepness));
         }
-        let line = self.ground.below_a_sole(x, [self.sole.heel, self.sole.toe]);
+        let line = self.ground.below_a_sole(x, 0.0, [self.sole.heel, self.sole.toe]);
         Flat::new(x, line.z, if self.ground.is_even() { self.ground.base().slope } else { libm::atan(line.steepness) })
     }
 
@@ -109,7 +109,7 @@ impl Walker {
         let (from, to) = (self.left.x, way.x);
         let over = |share: f64| {
             let x = from + share * (to - from);
-            self.ground.height_at(x) - way.at(x)
+            self.ground.height_at(x, 0.0) - way.at(x)
         };
         (1..LOOKS).map(|look| over(f64::from(look) / f64::from(LOOKS))).fold(0.0, f64::max)
     }

@@ -131,7 +131,7 @@ impl Walker {
             weight: around.model.total_mass() * gravity,
             torso_angle: around.torso_angle,
             settings,
-            grade: Line { x: 0.0, z: 0.0, steepness: ground.base().height_at(1.0) },
+            grade: Line { x: 0.0, z: 0.0, steepness: ground.base().steepness()[0] },
             trail: Trail::default(),
             ground,
             ground_known,
@@ -400,9 +400,9 @@ impl Generator for Walker {
         reference.cop = Some(Vector3::new(self.cop + self.hip_shift, 0.0, self.grade.at(self.cop)));
         reference.moment = Vector3::new(0.0, self.weight * self.hip_shift, 0.0);
         reference.swing = self.swinging();
-        reference.xcom = self.xcom;
-        reference.xcom_reference = self.xcom_reference;
-        reference.cop_reference = self.cop;
+        reference.xcom = [self.xcom, 0.0];
+        reference.xcom_reference = [self.xcom_reference, 0.0];
+        reference.cop_reference = [self.cop, 0.0];
     }
 
     fn change(&mut self, settings: &ReferenceSettings) {
