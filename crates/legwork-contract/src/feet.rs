@@ -278,7 +278,15 @@ pub fn rotation_error(from: &Matrix3<f64>, to: &Matrix3<f64>) -> Vector3<f64> {
     let axis =
         0.5 * Vector3::new(turn[(2, 1)] - turn[(1, 2)], turn[(0, 2)] - turn[(2, 0)], turn[(1, 0)] - turn[(0, 1)]);
     let (sine, cosine) = (axis.norm(), 0.5 * (turn.trace() - 1.0));
-    if sine > 1e-12 { axis * (libm::atan2(sine, cosine) / sine) } else { axis }
+    if sine > 1e-12 {
+        axis * (libm::atan2(sine, cosine) / sine)
+    } else if cosine > 0.0 {
+        axis
+    } else {
+        // Half a turn, R = 2 a aᵀ − 1, about an axis that the antisymmetric part does not tell.
+        let twice = turn + Matrix3::identity();
+        twice.column(twice.diagonal().imax()).normalize() * std::f64::consts::PI
+    }
 }
 
 /// The rotation of a rotation vector [rad]. Rodrigues
@@ -309,6 +317,15 @@ mod tests {
         for (from, to) in [(0.2, 0.5), (-1.0, 2.0), (0.3, 0.3)] {
             let error = rotation_error(&pitched(from), &pitched(to));
             assert!((error - Vector3::new(0.0, -(to - from), 0.0)).norm() < 1e-14, "{from} to {to}: {error}");
+        }
+    }
+
+    #[test]
+    fn half_a_turn_is_an_error_of_half_a_turn() {
+        for axis in [Vector3::x(), Vector3::y(), Vector3::z(), Vector3::new(1.0, -2.0, 0.5).normalize()] {
+            let half = 2.0 * axis * axis.transpose() - Matrix3::identity();
+            let error = rotation_error(&Matrix3::identity(), &half);
+            assert!((rotated(&error) - half).norm() < 1e-14, "{axis}: {error}");
         }
     }
 

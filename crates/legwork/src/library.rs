@@ -146,6 +146,7 @@ pub fn load_model_with_base(name_or_path: &str, folder: Option<&Path>, base: Opt
     if is_mere_name(name_or_path) && !path.exists() {
         return Err(Error::invalid("model", not_found("model", name_or_path, model_names())));
     }
+    may_read(&path)?;
     Ok(Robot::load_with_base(&path, base)?)
 }
 
@@ -236,11 +237,17 @@ fn not_found(kind: &str, name: &str, names: impl Iterator<Item = &'static str>) 
     )
 }
 
+/// Whether this build reads files.
+fn may_read(path: &Path) -> Result<(), Error> {
+    if cfg!(feature = "files") {
+        return Ok(());
+    }
+    Err(Error::Io { path: path.to_owned(), problem: "this build reads no files".to_owned() })
+}
+
 /// A whole text file.
 fn read_text(path: &Path) -> Result<String, Error> {
-    if cfg!(not(feature = "files")) {
-        return Err(Error::Io { path: path.to_owned(), problem: "this build reads no files".to_owned() });
-    }
+    may_read(path)?;
     let bytes = std::fs::read(path).map_err(|error| Error::io(path, &error))?;
     String::from_utf8(bytes).map_err(|error| {
         let offset = error.utf8_error().valid_up_to();

@@ -54,7 +54,7 @@ pub fn tracking(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
                     problem.hessian_mut()[variable * n + variable] += 2.0 * weight;
                 }
             }
-            QpForm::Direct if soft => squared_errors(layout, problem, &errors, rows, weight),
+            QpForm::Direct if soft => squared_errors(problem, &errors, rows, weight),
             QpForm::Direct => {}
         });
     }
@@ -68,24 +68,24 @@ struct Errors<'a> {
 }
 
 /// Adds `weight |goal - bias - jacobian q̈|²` over `rows`, without its constant. Thesis (4.25)
-fn squared_errors(layout: &Layout, problem: &mut Problem, task: &Errors<'_>, rows: Range<usize>, weight: f64) {
+fn squared_errors(problem: &mut Problem, task: &Errors<'_>, rows: Range<usize>, weight: f64) {
     if rows.is_empty() {
         return;
     }
-    let (n, nv, height) = (problem.n(), layout.qdd.len(), task.jacobian.nrows());
-    let column = |j: usize| &task.jacobian.as_slice()[j * height..][rows.clone()];
-    for j in 0..nv {
-        let own = column(j);
+    let (n, height) = (problem.n(), task.jacobian.nrows());
+    let columns = || task.jacobian.as_slice().chunks_exact(height).map(|column| &column[rows.clone()]);
+    for (j, own) in columns().enumerate() {
         if own.iter().all(|&entry| entry == 0.0) {
             continue;
         }
-        for k in 0..=j {
-            let product = 2.0 * weight * own.iter().zip(column(k)).map(|(a, b)| a * b).sum::<f64>();
-            problem.hessian_mut()[j * n + k] += product;
-            if k < j {
-                problem.hessian_mut()[k * n + j] += product;
-            }
+        let product = |other: &[f64]| 2.0 * weight * own.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
+        let (above, row) = problem.hessian_mut().split_at_mut(j * n);
+        for ((entry, mirrored), other) in row[..j].iter_mut().zip(above.chunks_exact_mut(n)).zip(columns()) {
+            let product = product(other);
+            *entry += product;
+            mirrored[j] += product;
         }
+        row[j] += product(own);
         let errors = task.goal[rows.clone()].iter().zip(&task.bias[rows.clone()]).map(|(goal, bias)| goal - bias);
         problem.gradient_mut()[j] -= 2.0 * weight * own.iter().zip(errors).map(|(a, e)| a * e).sum::<f64>();
     }

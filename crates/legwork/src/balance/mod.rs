@@ -139,7 +139,7 @@ mod tests {
     }
 
     /// Contacts on a slope, and what they do about the centre of mass.
-    fn contacts(ground: &Plane) -> (Vec<(Vector3<f64>, Vector3<f64>)>, Centroidal) {
+    fn contacts(ground: &Plane) -> ([(Vector3<f64>, Vector3<f64>); 3], Centroidal) {
         let forces = [
             ([0.1, -0.2], [20.0, -30.0, 150.0]),
             ([0.32, 0.15], [-35.0, 15.0, 420.0]),
@@ -148,7 +148,7 @@ mod tests {
         let contact = |(place, force): ([f64; 2], [f64; 3])| {
             (Vector3::new(place[0], place[1], ground.at(place)), Vector3::from(force))
         };
-        let contacts: Vec<_> = forces.into_iter().map(contact).collect();
+        let contacts = forces.map(contact);
         let mut sum = Centroidal::default();
         for (point, force) in &contacts {
             sum.linear += force;

@@ -29,7 +29,7 @@ pub fn way_out(points: impl Iterator<Item = Point> + Clone, place: Point) -> Opt
         (length > ONE).then(|| (length, way.map(|part| part / length)))
     };
     // By the distance to the nearest point of an edge that it is outside of, else by that to the nearest edge.
-    let (mut outside, mut inside): (Option<(f64, Point)>, Option<(f64, Point)>) = (None, None);
+    let [mut outside, mut inside]: [Option<(f64, Point)>; 2] = [None; 2];
     for (from, to) in points.clone().flat_map(|from| points.clone().map(move |to| (from, to))) {
         let Some((length, edge)) = unit(less(to, from)) else { continue };
         let normal = [edge[1], -edge[0]];
