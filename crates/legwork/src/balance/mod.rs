@@ -138,8 +138,11 @@ mod tests {
         Vector3::new(0.3, -0.1, 0.95)
     }
 
+    /// A point of contact and the force on it.
+    type Contact = (Vector3<f64>, Vector3<f64>);
+
     /// Contacts on a slope, and what they do about the centre of mass.
-    fn contacts(ground: &Plane) -> ([(Vector3<f64>, Vector3<f64>); 3], Centroidal) {
+    fn contacts(ground: &Plane) -> ([Contact; 3], Centroidal) {
         let forces = [
             ([0.1, -0.2], [20.0, -30.0, 150.0]),
             ([0.32, 0.15], [-35.0, 15.0, 420.0]),
