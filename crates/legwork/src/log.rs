@@ -90,11 +90,12 @@ impl Log {
         middle(self.get(index, Field::Feet), self.range(Field::Com).len(), &self.foot_of, foot)
     }
 
-    /// What an ideal sensor tells the controller at record `index`.
+    /// What an ideal sensor tells the controller at record `index`; no load where the log has no forces of the physics.
     pub fn truth(&self, index: usize) -> Sensed {
         let axes = self.range(Field::Com).len();
         let load = |contact: usize| {
-            index.checked_sub(1).map_or(0.0, |before| self.get(before, Field::GrfSimulated)[contact * axes + axes - 1])
+            let before = index.checked_sub(1)?;
+            self.get(before, Field::GrfSimulated).get(contact * axes + axes - 1).copied()
         };
         let touching = self.get(index, Field::Touching).iter().enumerate();
         Sensed {
@@ -102,7 +103,7 @@ impl Log {
             q: self.get(index, Field::Q).to_vec(),
             v: self.get(index, Field::V).to_vec(),
             contacts: touching
-                .map(|(contact, &flag)| ContactSensed { touching: flag != 0.0, load: load(contact) })
+                .map(|(contact, &flag)| ContactSensed { touching: flag != 0.0, load: load(contact).unwrap_or(0.0) })
                 .collect(),
         }
     }

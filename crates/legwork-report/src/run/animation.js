@@ -48,7 +48,8 @@ function animate(figure) {
     const metres = () => vector().map((value) => value / 1000);
     const many = (count, take) => Array.from({ length: count }, take);
     const points = many(data.points, metres);
-    const [com, reference, xcom, right, left] = many(5, metres);
+    const marks = many(data.marks, metres);
+    const com = metres();
     const forces = many(data.contacts.length, vector);
     const pushes = many(data.pushes, () => [vector(), metres()]);
     const contacts = data.contacts.map((point) => points[point]);
@@ -64,14 +65,14 @@ function animate(figure) {
       d(net(contacts, forces));
       contacts.forEach((point, k) => d(arrow(pixel(point), tip(point, forces[k]))));
       pushes.forEach(([force, at]) => d(push(force, at)));
-      [right, left, xcom, reference, com].forEach(move);
+      [...marks, com].forEach(move);
       const [across, down] = pixel(camera(stage, com));
       stage.world.setAttribute("transform", `translate(${tenth(stage.size[0] / 2 - across)} ${tenth(stage.size[1] - down)})`);
     }
     slider.value = Math.round(now / data.period);
     clock.textContent = `${now.toFixed(3)} s`;
     slider.setAttribute("aria-valuetext", clock.textContent);
-    state.textContent = data.states[values.at(-1)];
+    state.textContent = data.states[values.at(-1)] || "\u00a0";
     figure.dataset.time = now.toFixed(2);
     for (const show of cursors) show(now);
   }

@@ -6,6 +6,7 @@ use legwork::scenario::GeneratorKind;
 
 use super::balance::Balance;
 use super::limits;
+use super::stick::forces_of;
 use super::strip::Strip;
 use crate::charts::axis::{Axis, Quantity};
 use crate::charts::chart::{Chart, Part, Stack};
@@ -49,13 +50,14 @@ pub(crate) fn figures(run: &Run) -> Vec<Figure> {
     let generator = run.scenario.reference.generator;
     let mut figures = vec![
         Figure { name: "poses", title: "Poses", caption: poses(run), body: Body::Strip(Box::new(Strip::new(run))) },
-        figure("tracking-x", "Tracking along x", tracking(generator), charts.tracking(0)),
+        figure("tracking-x", "Tracking along x", charts.words(generator), charts.tracking(0)),
     ];
     if charts.is_in_space() {
         let caption = "Places to the left of the robot are positive.";
         figures.push(figure("tracking-y", "Tracking sideways", caption, charts.tracking(1)));
     }
     let balance = Balance::new(run, &charts.times);
+    let is_planned = charts.has(Field::ComReference);
     figures.extend([
         figure(
             "tracking-z",
@@ -73,7 +75,7 @@ pub(crate) fn figures(run: &Run) -> Vec<Figure> {
             balance.points(),
         ),
     ]);
-    if generator != GeneratorKind::Stance {
+    if is_planned && generator != GeneratorKind::Stance {
         figures.push(figure(
             "capture",
             "Steps to a stop",
@@ -82,20 +84,28 @@ pub(crate) fn figures(run: &Run) -> Vec<Figure> {
             balance.capture(),
         ));
     }
-    let (forces, note) = charts.forces();
-    figures.extend([
-        figure("torques", "Joint torques", "Torques that the program asks for, within their limits.", charts.torques()),
-        figure("forces", "Ground reaction forces", &note, forces),
-        figure("torso", "Torso angle", "Counter-clockwise from upright: leaning forward is negative.", charts.torso()),
-        figure(
+    figures.push(figure(
+        "torques",
+        "Joint torques",
+        "Torques that the controller asks for, within their limits.",
+        charts.torques(),
+    ));
+    if forces_of(run).is_some() {
+        let (forces, note) = charts.forces();
+        figures.push(figure("forces", "Ground reaction forces", &note, forces));
+    }
+    let words = "Counter-clockwise from upright: leaning forward is negative.";
+    figures.push(figure("torso", "Torso angle", words, charts.torso()));
+    if charts.has(Field::ActiveLimit) {
+        figures.push(figure(
             "limits",
             "Limits and slack",
             "Above, when a limit of the program was active, and in which share of the ticks: a mark above the line is an \
              upper limit, below it a lower one; those of a contact point count while it carries load. Below, what each task was \
              missed by.",
             limits::parts(run, &charts.times),
-        ),
-    ]);
+        ));
+    }
     figures
 }
 
@@ -106,9 +116,14 @@ fn poses(run: &Run) -> String {
     } else {
         " Each moment is seen from the robot's right side and, below, from the front, where its left is on the right."
     };
+    let forces = forces_of(run).map_or(String::new(), |(_, whose)| {
+        format!(
+            " The forces are those of the {whose}, one on each contact point, in the friction cones of those points."
+        )
+    });
     format!(
         "The robot at moments between which it moves about equally far, chosen to differ; the numbers on the ground are \
-         metres.{views} The forces are those of the program, one on each contact point, in the friction cones of those points."
+         metres.{views}{forces}"
     )
 }
 
@@ -166,19 +181,33 @@ impl<'a> Charts<'a> {
         Chart { over_time: true, ..Chart::new(vec![Stack { title: String::new(), x, parts }], (0.0, 1)) }
     }
 
-    /// Values of the column at `offset` in `field`, times `factor`, as a line.
-    fn line(&self, label: &str, class: &str, field: Field, offset: usize, factor: f64) -> Layer {
-        let column = self.run.log.range(field).start + offset;
-        line(label, class, &self.times, self.run.log.column(column).map(|value| factor * value))
+    /// Whether the log has `field`: not every controller and physics gives all.
+    fn has(&self, field: Field) -> bool {
+        !self.run.log.range(field).is_empty()
+    }
+
+    /// What the generator does with what the figure of the tracking shows; nothing where there is none.
+    fn words(&self, generator: GeneratorKind) -> &'static str {
+        if self.has(Field::ComReference) { tracking(generator) } else { "" }
+    }
+
+    /// Values of the column at `offset` in `field`, times `factor`, as a line, where the log has them.
+    fn line(&self, label: &str, class: &str, field: Field, offset: usize, factor: f64) -> Option<Layer> {
+        let column = self.run.log.range(field).nth(offset)?;
+        Some(line(label, class, &self.times, self.run.log.column(column).map(|value| factor * value)))
+    }
+
+    /// The foot that swings in a record.
+    fn swinging(&self, index: usize) -> Option<usize> {
+        self.run.log.get(index, Field::Swing).first().filter(|foot| **foot >= 0.0).map(|&foot| foot as usize)
     }
 
     /// Each swing by itself: one foot may follow the other without a pause.
     fn single_support(&self) -> Vec<[f64; 2]> {
-        let swing = |index: usize| self.run.log.get(index, Field::Swing)[0];
         let period = self.run.scenario.controller.period_s;
-        [0.0, 1.0]
+        [0, 1]
             .into_iter()
-            .flat_map(|foot| spans(&self.times, period, |index| (swing(index) - foot).abs() < 0.5))
+            .flat_map(|foot| spans(&self.times, period, |index| self.swinging(index) == Some(foot)))
             .collect()
     }
 
@@ -191,7 +220,7 @@ impl<'a> Charts<'a> {
             let place = (0..log.len()).filter_map(|index| log.foot(index, foot).nth(axis));
             lines.push(line(&label, dashed(class), &self.times, place));
             let reference = format!("{label} reference");
-            lines.push(self.line(
+            lines.extend(self.line(
                 &reference,
                 &format!("{class} dotted"),
                 Field::FeetReference,
@@ -202,11 +231,9 @@ impl<'a> Charts<'a> {
         lines
     }
 
-    fn com(&self, axis: usize) -> [Layer; 2] {
-        [
-            self.line("CoM", "com", Field::Com, axis, 1.0),
-            self.line("CoM reference", "reference dashed", Field::ComReference, axis, 1.0),
-        ]
+    fn com(&self, axis: usize) -> Vec<Layer> {
+        let com = self.line("CoM", "com", Field::Com, axis, 1.0);
+        com.into_iter().chain(self.line("CoM reference", "reference dashed", Field::ComReference, axis, 1.0)).collect()
     }
 
     /// Along the linear axis `axis`, which is not the vertical one.
@@ -214,7 +241,7 @@ impl<'a> Charts<'a> {
         let points = self.base_of_support(axis);
         let mut layers = vec![Layer::Area { class: "support".into(), label: "base of support".into(), points }];
         layers.extend(self.feet(axis));
-        layers.push(self.line("XcoM", "xcom dash-dotted", Field::Xcom, axis, 1.0));
+        layers.extend(self.line("XcoM", "xcom dash-dotted", Field::Xcom, axis, 1.0));
         layers.extend(self.com(axis));
         vec![part(["x", "y"][axis], "m", 290.0, 0.1, layers)]
     }
@@ -225,8 +252,8 @@ impl<'a> Charts<'a> {
         let base = |index: usize| {
             let points = log.get(index, Field::Feet).chunks_exact(self.dimension).map(|point| point[axis]);
             let touching = points.zip(log.get(index, Field::Touching)).filter(|(_, flag)| **flag > 0.5);
-            let swings = log.get(index, Field::Swing)[0] >= 0.0;
-            extent(touching.map(|(x, _)| x)).filter(|_| !swings).unwrap_or((f64::NAN, f64::NAN))
+            let stands = self.swinging(index).is_none();
+            extent(touching.map(|(x, _)| x)).filter(|_| stands).unwrap_or((f64::NAN, f64::NAN))
         };
         let point = |(index, &time): (usize, &f64)| [time, base(index).0, base(index).1];
         self.times.iter().enumerate().map(point).collect()
@@ -234,7 +261,7 @@ impl<'a> Charts<'a> {
 
     fn tracking_z(&self) -> Vec<Part> {
         let up = self.dimension - 1;
-        vec![part("CoM: z", "m", 130.0, 0.01, self.com(up).into()), part("feet: z", "m", 170.0, 0.02, self.feet(up))]
+        vec![part("CoM: z", "m", 130.0, 0.01, self.com(up)), part("feet: z", "m", 170.0, 0.02, self.feet(up))]
     }
 
     /// A part for each pair of right and left joints.
@@ -258,13 +285,14 @@ impl<'a> Charts<'a> {
                 let label = if class.is_empty() { "torque" } else { class };
                 let log = &self.run.log;
                 let differs = |(a, b): (f64, f64)| (a - b).abs() > 1e-6;
-                let [asked, applied] =
-                    [Field::Torque, Field::TorqueApplied].map(|field| log.range(field).start + index);
-                if log.column(asked).zip(log.column(applied)).any(differs) {
+                let [asked, applied] = [Field::Torque, Field::TorqueApplied].map(|field| log.range(field).nth(index));
+                if let (Some(asked), Some(applied)) = (asked, applied)
+                    && log.column(asked).zip(log.column(applied)).any(differs)
+                {
                     let label = format!("{label}, applied");
-                    layers.push(self.line(&label, &format!("{class} thin"), Field::TorqueApplied, index, 1.0));
+                    layers.extend(self.line(&label, &format!("{class} thin"), Field::TorqueApplied, index, 1.0));
                 }
-                layers.push(self.line(label, dashed(class), Field::Torque, index, 1.0));
+                layers.extend(self.line(label, dashed(class), Field::Torque, index, 1.0));
                 if bounds.iter().all(|known| (known.abs() - limit).abs() > 1e-9) {
                     bounds.extend([-limit, limit]);
                 }
@@ -285,8 +313,8 @@ impl<'a> Charts<'a> {
         let mut axes = vec![(d - 1, "vertical", 200.0), (0, "along x", 150.0)];
         axes.extend((d == 3).then_some((1, "to the left", 150.0)));
         let parts = axes.into_iter().map(|(axis, label, height)| {
-            let feet = || model.feet.iter().enumerate();
-            let simulated = feet().map(|(foot, name)| {
+            let feet = |field: Field| model.feet.iter().enumerate().filter(move |_| self.has(field));
+            let simulated = feet(Field::GrfSimulated).map(|(foot, name)| {
                 let class = format!("{} thin", side(name));
                 line(
                     &format!("{}, simulated", foot_name(name)),
@@ -295,13 +323,14 @@ impl<'a> Charts<'a> {
                     of_foot(Field::GrfSimulated, foot, axis),
                 )
             });
-            let asked = feet().map(|(foot, name)| {
+            let asked = feet(Field::Grf).map(|(foot, name)| {
                 line(&foot_name(name), dashed(side(name)), &self.times, of_foot(Field::Grf, foot, axis))
             });
             // Impacts of the simulator do not stretch the axis.
-            let asked: Vec<Layer> = asked.collect();
-            let Part { y, .. } = part(label, "N", height, 100.0, asked.clone());
-            Part { y, height, layers: simulated.chain(asked).collect(), notes: Vec::new() }
+            let (simulated, asked): (Vec<Layer>, Vec<Layer>) = (simulated.collect(), asked.collect());
+            let Part { y, .. } =
+                part(label, "N", height, 100.0, if asked.is_empty() { &simulated } else { &asked }.clone());
+            Part { y, height, layers: [simulated, asked].concat(), notes: Vec::new() }
         });
         let several = model.contacts.len() > model.feet.len();
         let whole =
@@ -314,19 +343,19 @@ impl<'a> Charts<'a> {
         } else {
             String::new()
         };
-        (
-            parts.collect(),
-            format!("{whole}Thick: in the program. Thin: in the simulator, whose impacts are cut off{cut}."),
-        )
+        let lines = match (self.has(Field::Grf), self.has(Field::GrfSimulated)) {
+            (true, true) => format!("Thick: in the program. Thin: in the simulator, whose impacts are cut off{cut}."),
+            (true, false) => "They are those of the program.".to_owned(),
+            (false, _) => "They are those of the simulator.".to_owned(),
+        };
+        (parts.collect(), format!("{whole}{lines}"))
     }
 
     fn torso(&self) -> Vec<Part> {
         let degrees = 1.0_f64.to_degrees();
-        let layers = vec![
-            self.line("torso", "com", Field::Torso, 0, degrees),
-            self.line("reference", "reference dashed", Field::TorsoReference, 0, degrees),
-        ];
-        vec![part("torso", "\u{b0}", 170.0, 1.0, layers)]
+        let torso = self.line("torso", "com", Field::Torso, 0, degrees);
+        let reference = self.line("reference", "reference dashed", Field::TorsoReference, 0, degrees);
+        vec![part("torso", "\u{b0}", 170.0, 1.0, torso.into_iter().chain(reference).collect())]
     }
 }
 

@@ -44,7 +44,8 @@ pub(super) fn active(run: &Run, index: usize) -> impl Iterator<Item = (usize, i8
         limit
             .kind
             .contact()
-            .is_some_and(|contact| forces[contact * d..].iter().take(d).all(|component| component.abs() < 1e-6))
+            .and_then(|contact| forces.get(contact * d..(contact + 1) * d))
+            .is_some_and(|force| force.iter().all(|component| component.abs() < 1e-6))
     };
     let sides = run.log.get(index, Field::ActiveLimit).iter().enumerate();
     let sides = sides.filter(|(_, side)| **side != 0.0).map(|(limit, side)| (limit, *side as i8));
@@ -74,7 +75,7 @@ fn rows(run: &Run, times: &[f64]) -> Vec<Row> {
         }
     }
     for fallback in Fallback::ALL.into_iter().filter(|&fallback| fallback != Fallback::None) {
-        let used = |index: usize| run.log.get(index, Field::Program)[1] as u8 == fallback as u8;
+        let used = |index: usize| run.log.get(index, Field::Program).get(1) == Some(&f64::from(fallback as u8));
         let ticks = (0..times.len()).filter(|&index| used(index)).count();
         if ticks > 0 {
             let spans = spans(times, period, used).into_iter().map(|span| (span, 0)).collect();
@@ -97,7 +98,8 @@ fn slack(run: &Run, times: &[f64]) -> Vec<Part> {
         line(label, class, times, (0..run.log.len()).map(size))
     };
     let mut parts: Vec<((&str, String), Vec<Layer>)> = Vec::new();
-    for (part, rows) in run.tasks.iter().flat_map(|task| task.parts()) {
+    let tasks = run.tasks.iter().filter(|_| !run.log.range(Field::Slack).is_empty());
+    for (part, rows) in tasks.flat_map(|task| task.parts()) {
         let line = match part.of.as_str() {
             "" => norm("slack", "", rows),
             of => norm(&foot_name(of), dashed(side(of)), rows),

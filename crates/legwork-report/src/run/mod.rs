@@ -14,6 +14,7 @@ pub(crate) mod tests;
 
 use legwork::diagnosis;
 use legwork::episode::{Outcome, Run};
+use legwork::log::Field;
 use legwork::scenario::{GeneratorKind, Push};
 use legwork::scenario_file;
 use maud::{Markup, PreEscaped, html};
@@ -56,9 +57,10 @@ pub fn plots(run: &Run) -> Vec<(String, String)> {
 /// With more runs than these, the contents name the runs only.
 const RUNS_WITH_SECTIONS: usize = 3;
 
-/// The sections of a run, as anchors and headings.
-fn sections(run: &Run) -> [(&'static str, &'static str); 10] {
-    [
+/// The sections of a run, as anchors and headings, but for those that its log has nothing for.
+fn sections(run: &Run) -> impl Iterator<Item = (&'static str, &'static str)> {
+    let [no_forces, no_limits] = [stick::forces_of(run).is_none(), run.log.range(Field::ActiveLimit).is_empty()];
+    let all = [
         ("motion", "Motion"),
         ("figures", if tables::is_published(run) { "Beside the thesis" } else { "Measured" }),
         ("tracking", "Tracking"),
@@ -69,7 +71,8 @@ fn sections(run: &Run) -> [(&'static str, &'static str); 10] {
         ("limits", "Limits and slack"),
         ("books", "Audit and times"),
         ("repeat", "Repeat this run"),
-    ]
+    ];
+    all.into_iter().filter(move |(anchor, _)| !(no_forces && *anchor == "forces" || no_limits && *anchor == "limits"))
 }
 
 fn contents(runs: &[Run]) -> Markup {
@@ -176,7 +179,7 @@ fn books(run: &Run) -> Markup {
     html! {
         div.columns {
             div { h4 { "Simulator" } (tables::audit(run)) }
-            div { h4 { "Quadratic programs" } (tables::program(run)) }
+            @if run.program.solves > 0 { div { h4 { "Quadratic programs" } (tables::program(run)) } }
             (PreEscaped("<!-- timing -->"))
             div { h4 { "Time on this computer" } (tables::timing(run)) }
             (PreEscaped("<!-- /timing -->"))

@@ -39,10 +39,11 @@ struct Data<'a> {
     links: Vec<[usize; 2]>,
     joints: &'a [usize],
     contacts: &'a [usize],
+    marks: usize,
     pushes: usize,
     /// What may be said of a frame.
     states: Vec<String>,
-    /// Points, CoM, its reference, XcoM, references of the feet, forces, pushes (force and place), index of the state.
+    /// Points, marks, CoM, forces, pushes (force and place), index of the state.
     frames: Vec<Vec<i64>>,
 }
 
@@ -95,6 +96,7 @@ pub(super) fn animation(run: &Run, id: &str) -> Markup {
         links: poses.skeleton.links.iter().map(|(ends, _)| *ends).collect(),
         joints: &poses.skeleton.joints,
         contacts: &poses.skeleton.contacts,
+        marks: shown[0].marks.len(),
         pushes: run.scenario.pushes.len(),
         states,
         frames,
@@ -189,8 +191,7 @@ fn frame(pose: &Pose, axes: usize, state: usize) -> Vec<i64> {
     let mm = |point: &Spatial| kept(*point).into_iter().map(|metres| whole(1e3 * metres)).collect::<Vec<_>>();
     let newtons = |force: Spatial| kept(force).into_iter().map(whole).collect::<Vec<_>>();
     let mut row: Vec<i64> = pose.points.iter().flat_map(mm).collect();
-    let marks = [pose.com, pose.com_reference, pose.xcom, pose.feet[0], pose.feet[1]];
-    row.extend(marks.iter().flat_map(mm));
+    row.extend(pose.marks.iter().flat_map(|(point, _)| mm(point)).chain(mm(&pose.com)));
     row.extend(pose.forces.iter().flat_map(|force| newtons(*force)));
     for push in &pose.pushes {
         let [force, at] = push.unwrap_or([[0.0; 3]; 2]);
@@ -202,14 +203,16 @@ fn frame(pose: &Pose, axes: usize, state: usize) -> Vec<i64> {
 
 /// The place in `states` of what is to be said of record `index`.
 fn state(run: &Run, index: usize, states: &mut Vec<String>) -> usize {
-    let swing = run.log.get(index, Field::Swing)[0];
-    let foot = run.model.feet.get(swing.max(0.0) as usize).filter(|_| swing >= 0.0);
-    let mut text = foot.map_or("both feet stand".to_owned(), |foot| format!("{} swings", plain(foot)));
+    let swings = |foot: usize| run.model.feet.get(foot).map(|foot| format!("{} swings", plain(foot)));
+    let feet = match *run.log.get(index, Field::Swing) {
+        [foot, ..] if foot >= 0.0 => swings(foot as usize),
+        [_, ..] => Some("both feet stand".to_owned()),
+        [] => None,
+    };
     let limits: Vec<String> =
         limits::active(run, index).map(|(limit, _)| plain(&run.limits[limit].in_words(&run.model))).collect();
-    if !limits.is_empty() {
-        text += &format!("; at its limit: {}", limits.join(", "));
-    }
+    let limits = (!limits.is_empty()).then(|| format!("at its limit: {}", limits.join(", ")));
+    let text = feet.into_iter().chain(limits).collect::<Vec<_>>().join("; ");
     states.iter().position(|known| *known == text).unwrap_or_else(|| {
         states.push(text);
         states.len() - 1

@@ -116,6 +116,29 @@ fn sole(model: &Model, body: usize) -> Vec<[usize; 2]> {
     }
 }
 
+/// What is marked: its field, after how many vectors of it, its class and its name.
+type Mark = (Field, usize, &'static str, &'static str);
+
+/// What is marked of a run whose log has it, the last above the others.
+const MARKS: [Mark; 4] = [
+    (Field::FeetReference, 3, "left", "left foot reference"),
+    (Field::FeetReference, 0, "right", "right foot reference"),
+    (Field::Xcom, 0, "xcom", "XcoM"),
+    (Field::ComReference, 0, "reference", "CoM reference"),
+];
+
+/// What is marked of `run`.
+fn marks_of(run: &Run) -> impl DoubleEndedIterator<Item = &'static Mark> {
+    MARKS.iter().filter(|(field, first, ..)| run.log.range(*field).len() > first * run.model.linear_axes().len())
+}
+
+/// The forces on contact points that the log of `run` has, and whose they are: those of the controller's program, else those of
+/// the physics.
+pub(super) fn forces_of(run: &Run) -> Option<(Field, &'static str)> {
+    let known = [(Field::Grf, "program"), (Field::GrfSimulated, "physics")];
+    known.into_iter().find(|(field, _)| !run.log.range(*field).is_empty())
+}
+
 /// Everything that is drawn of a moment.
 #[derive(Clone, Debug)]
 pub(super) struct Pose {
@@ -124,12 +147,9 @@ pub(super) struct Pose {
     /// The points of the skeleton [m].
     pub(super) points: Vec<Spatial>,
     pub(super) com: Spatial,
-    pub(super) com_reference: Spatial,
-    /// The extrapolated centre of mass, on the ground.
-    pub(super) xcom: Spatial,
-    /// References of the right and the left foot.
-    pub(super) feet: [Spatial; 2],
-    /// The program's force on each contact point [N].
+    /// What is marked besides, and its class.
+    pub(super) marks: Vec<(Spatial, &'static str)>,
+    /// The force on each contact point [N], of those that [`forces_of`] tells.
     pub(super) forces: Vec<Spatial>,
     /// Force and place of each push; none while it does not act.
     pub(super) pushes: Vec<Option<[Spatial; 2]>>,
@@ -165,10 +185,20 @@ impl<'a> Poses<'a> {
             [point.x, point.y, point.z]
         });
         let (points, com, time) = (points.collect::<Vec<_>>(), spatial(log.get(index, Field::Com)), log.time(index));
-        let feet = log.get(index, Field::FeetReference);
-        let reference = spatial(log.get(index, Field::ComReference));
-        let xcom = log.get(index, Field::Xcom);
-        let [x, y] = [xcom[0], *xcom.get(1).unwrap_or(&0.0)];
+        let mark = |&(field, first, class, _): &Mark| {
+            let values = &log.get(index, field)[first * d..];
+            // The extrapolated centre of mass is on the ground.
+            let on_ground = |x: f64, y: f64| [x, y, ground.height_at(x, y)];
+            let place = match *values {
+                [x] => on_ground(x, 0.0),
+                [x, y] => on_ground(x, y),
+                _ => spatial(values),
+            };
+            (place, class)
+        };
+        let force = |contact: usize| {
+            forces_of(run).map_or([0.0; 3], |(field, _)| spatial(&log.get(index, field)[contact * d..]))
+        };
         let pushes = run.scenario.pushes.iter().zip(&skeleton.pushed).map(|(push, place)| {
             let force: Spatial = (push.force_n * push.direction()).into();
             let acts = (push.start_s..push.start_s + push.duration_s).contains(&(time + 1e-9));
@@ -177,10 +207,8 @@ impl<'a> Poses<'a> {
         Pose {
             time,
             com,
-            com_reference: reference,
-            xcom: [x, y, ground.height_at(x, y)],
-            feet: [spatial(&feet[..d]), spatial(&feet[3 * d..4 * d])],
-            forces: log.get(index, Field::Grf).chunks_exact(d).map(spatial).collect(),
+            marks: marks_of(run).map(mark).collect(),
+            forces: (0..run.model.nc()).map(force).collect(),
             pushes: pushes.collect(),
             points,
         }
@@ -268,8 +296,8 @@ impl View {
         self.pixel([0, 1, 2].map(|k| point[k] + self.metres_per_newton * newtons[k]))
     }
 
-    /// The pose. `animation.js` relies on the order of the elements: cones, links, joints, net force, forces, pushes, then
-    /// marks of the feet's references, XcoM, CoM reference, CoM.
+    /// The pose. `animation.js` relies on the order of the elements: cones, links, joints, net force, forces, pushes,
+    /// marks, CoM.
     pub(super) fn draw(&self, pose: &Pose, skeleton: &Skeleton, model: &Robot) -> Markup {
         let contacts: Vec<Spatial> = skeleton.contacts.iter().map(|&point| pose.points[point]).collect();
         let (centre, net) = net_force(&contacts, &pose.forces);
@@ -293,9 +321,7 @@ impl View {
             @for push in &pose.pushes {
                 path class="arrow push" d=(push.map_or(String::new(), |[force, at]| self.push(force, at))) {}
             }
-            @for (foot, class) in pose.feet.iter().zip(["right", "left"]) { (self.mark(*foot, class)) }
-            (self.mark(pose.xcom, "xcom"))
-            (self.mark(pose.com_reference, "reference"))
+            @for &(point, class) in &pose.marks { (self.mark(point, class)) }
             (self.dot(pose.com))
         }
     }
@@ -386,17 +412,16 @@ fn net_force(contacts: &[Spatial], forces: &[Spatial]) -> (Spatial, Spatial) {
 
 /// The legend of all stick figures.
 pub(super) fn keys(run: &Run) -> Vec<Key> {
-    let mut keys = vec![
-        Key::new(Symbol::Dot, "dot", "CoM"),
-        Key::new(Symbol::Asterisk, "reference", "CoM reference"),
-        Key::new(Symbol::Asterisk, "xcom", "XcoM"),
-        Key::new(Symbol::Asterisk, "right", "right foot reference"),
-        Key::new(Symbol::Asterisk, "left", "left foot reference"),
-        Key::new(Symbol::Arrow, "right", "force on a right contact point"),
-        Key::new(Symbol::Arrow, "left", "force on a left contact point"),
-        Key::new(Symbol::Arrow, "net", "force on the robot"),
-        Key::new(Symbol::Area, "cone", "friction cone"),
-    ];
+    let mut keys = vec![Key::new(Symbol::Dot, "dot", "CoM")];
+    keys.extend(marks_of(run).rev().map(|(_, _, class, name)| Key::new(Symbol::Asterisk, class, *name)));
+    if forces_of(run).is_some() {
+        keys.extend([
+            Key::new(Symbol::Arrow, "right", "force on a right contact point"),
+            Key::new(Symbol::Arrow, "left", "force on a left contact point"),
+            Key::new(Symbol::Arrow, "net", "force on the robot"),
+            Key::new(Symbol::Area, "cone", "friction cone"),
+        ]);
+    }
     if !run.scenario.pushes.is_empty() {
         keys.push(Key::new(Symbol::Arrow, "push", "push"));
     }

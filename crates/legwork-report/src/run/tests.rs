@@ -1,8 +1,9 @@
 //! The whole report: that it is complete, well formed, harmless, and the same each time.
 
-use legwork::episode::{Episode, Run};
+use legwork::episode::{self, Episode, Parts, Run};
 use legwork::library;
 use legwork::metrics::{MeanPeak, Metrics};
+use legwork::recording::Replay;
 use legwork::scenario::Scenario;
 use legwork_thesis::published;
 
@@ -105,6 +106,39 @@ fn a_run_of_any_length_gives_well_formed_numbers() {
         }
         assert_eq!(page.contains("class=\"animation\""), ticks > 0);
     }
+}
+
+/// A run of `scenario` on the states of another run: a physics that tells no forces.
+fn replayed(scenario: &str, sets: &[&str]) -> Run {
+    let states = run_for(30, "stand", &[], None);
+    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+    let scenario = scenario_file::load(scenario, &sets).expect("a built-in scenario").scenario;
+    let parts = Parts { plant: Some(Box::new(Replay::of(&states.log).expect("records"))), ..Parts::default() };
+    episode::run_with(&scenario, &states.model, parts, |time| time > 0.03).expect("it runs")
+}
+
+#[test]
+fn a_run_tells_and_draws_what_its_controller_and_its_physics_give() {
+    let hold = ["controller.kind=hold", "pushes=[{force_n=50.0, start_s=0.01, duration_s=0.1}]"];
+    let runs = [run_for(30, "stand", &hold, None), replayed("stand", &[]), replayed("stand", &hold)];
+    let [held, without_physics, without_both] = &runs;
+    let page = html(std::slice::from_ref(held));
+    assert_well_formed(&page, &VOID);
+    assert!(page.contains("The forces are those of the physics, one on each contact point"));
+    assert!(page.contains("They are those of the simulator."));
+    for word in ["CoM reference", "foot reference", "Quadratic programs", "Limits and slack", "A step is taken"] {
+        assert!(!words(&page).contains(word), "{word}");
+    }
+    let page = html(std::slice::from_ref(without_physics));
+    assert_well_formed(&page, &VOID);
+    assert!(page.contains("The forces are those of the program") && page.contains("They are those of the program."));
+    assert!(page.contains("CoM reference") && page.contains("Limits and slack") && page.contains("keeps no books"));
+    let page = html(std::slice::from_ref(without_both));
+    assert_well_formed(&page, &VOID);
+    for word in ["Ground reaction forces", "friction cone", "force on the robot", "NaN"] {
+        assert!(!words(&page).contains(word), "{word}");
+    }
+    assert!(runs.iter().all(|run| plots(run).len() >= 6));
 }
 
 #[test]
