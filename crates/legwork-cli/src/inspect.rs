@@ -275,7 +275,9 @@ fn model_text(model: &Robot) -> String {
                 if dof.rotational { format!("{:.1} deg", dof.rest.to_degrees()) } else { format!("{} m", dof.rest) };
             let spring =
                 (dof.stiffness != 0.0).then(|| format!("spring of {} {unit}, at rest at {rest}", dof.stiffness));
-            let stops = (dof.stop_stiffness != 0.0).then(|| format!("stops of {} {unit}", dof.stop_stiffness));
+            let rate = if dof.rotational { "Nm s/rad" } else { "N s/m" };
+            let stops = (dof.stop_stiffness != 0.0)
+                .then(|| format!("stops of {} {unit} and {} {rate}", dof.stop_stiffness, dof.stop_damping));
             text += &format!("    {}\n", spring.into_iter().chain(stops).collect::<Vec<_>>().join("; "));
         }
     }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use legwork::Robot;
 use legwork::channel::Columns;
@@ -151,13 +151,17 @@ fn check_outputs(options: &RunArgs, jobs: &[Job]) -> Result<(), Failure> {
 #[derive(Debug)]
 struct Streamed {
     sink: Box<dyn Sink>,
-    failed: Arc<OnceLock<Error>>,
+    failed: Arc<Mutex<Option<Error>>>,
 }
 
 impl Streamed {
+    fn failure(&self) -> MutexGuard<'_, Option<Error>> {
+        self.failed.lock().expect("nobody panics with it")
+    }
+
     fn note(&self, done: Result<(), Error>) -> Result<(), Error> {
         if let Err(error) = done {
-            let _ = self.failed.set(error);
+            self.failure().get_or_insert(error);
         }
         Ok(())
     }
@@ -170,7 +174,7 @@ impl Sink for Streamed {
     }
 
     fn finish(&mut self, hashes: &Hashes) -> Result<(), Error> {
-        let done = if self.failed.get().is_none() { self.sink.finish(hashes) } else { Ok(()) };
+        let done = if self.failure().is_none() { self.sink.finish(hashes) } else { Ok(()) };
         self.note(done)
     }
 }
@@ -179,7 +183,8 @@ impl Job {
     /// Its run, and why its log could not be written.
     fn run(&self) -> Result<(Run, Option<Error>), Error> {
         let length = (self.scenario.duration_s * 1e3) as u64;
-        let failed = Arc::default();
+        let failed = Arc::new(Mutex::new(None));
+        let failure = || failed.lock().expect("nobody panics with it");
         let sink = |path: &Path| -> Result<Box<dyn Sink>, Error> {
             let sink = log_file::create(&self.written_to(path), &self.scenario.name)?;
             Ok(Box::new(Streamed { sink, failed: Arc::clone(&failed) }))
@@ -194,18 +199,27 @@ impl Job {
         let bar = Progress::new(&self.label, length, "{percent} % simulated");
         let run = episode::run_with(&self.scenario, &self.model, parts, |time| {
             bar.tell((time * 1e3) as u64);
-            interrupted() || failed.get().is_some()
+            interrupted() || failure().is_some()
         });
         bar.finish();
-        Ok((run?, Arc::into_inner(failed).and_then(OnceLock::into_inner)))
+        if let (Err(_), Some(path)) = (&run, log) {
+            self.discard(path);
+        }
+        let failure = failure().take();
+        Ok((run?, failure))
     }
 
-    /// The failure of the log at `path`; what is written of it is deleted.
-    fn without_log(&self, path: &Path, error: Error) -> Failure {
+    /// Deletes what is written of the log that was to come to `path`.
+    fn discard(&self, path: &Path) {
         let written = self.written_to(path);
         if written != path {
             let _ = std::fs::remove_file(written);
         }
+    }
+
+    /// The failure of the log at `path`; what is written of it is deleted.
+    fn without_log(&self, path: &Path, error: Error) -> Failure {
+        self.discard(path);
         match error {
             Error::Io { problem, .. } => Failure::output(path, problem),
             other => other.into(),

@@ -68,16 +68,19 @@ impl Footing {
     }
 }
 
-/// Takes a vector from the axes of `body` to the robot's with all joints at zero: x ahead, y left, z up, those of the torso. In the
-/// plane the axes of all bodies are these.
-fn robot_from_body(model: &Robot, body: usize) -> Matrix3<f64> {
-    if model.is_planar() {
-        return Matrix3::identity();
-    }
-    let mut dynamics = Dynamics::new(model);
-    dynamics.update(model, model.neutral().as_slice(), &vec![0.0; model.nv()]);
-    let [torso, body] = [model.torso, body].map(|body| dynamics.world_from_body[body].rotation);
-    torso.transpose() * body
+/// Where a contact point is, from its body's joint: along the walking direction, to the left, and up [m].
+pub fn from_joint(robot: &Robot, point: usize) -> Vector3<f64> {
+    let contact = &robot.contacts[point];
+    foot_from_body(robot, contact.body) * contact.position
+}
+
+/// The rotation about z that takes a vector from the axes of a foot's `body` to the walking direction, the left and up: what the
+/// torso's axes are turned by against the body's with all joints at zero. A foot's z axis is up where it stands flat.
+fn foot_from_body(robot: &Robot, body: usize) -> Matrix3<f64> {
+    let mut dynamics = Dynamics::new(robot);
+    dynamics.update(robot, robot.neutral().as_slice(), &vec![0.0; robot.nv()]);
+    let [torso, body] = [robot.torso, body].map(|body| dynamics.world_from_body[body].rotation);
+    headed(&heading(&(torso.transpose() * body)))
 }
 
 /// The sole of a foot with several contact points, along the walking direction from below its joint [m].
@@ -94,11 +97,7 @@ pub struct Sole {
 impl Sole {
     /// The sole of the feet of `robot`, that of its first foot.
     pub fn of(robot: &Robot) -> Self {
-        let turn = robot
-            .points_of(0)
-            .next()
-            .map_or_else(Matrix3::identity, |point| robot_from_body(robot, robot.contacts[point].body));
-        let points = || robot.points_of(0).map(|point| turn * robot.contacts[point].position);
+        let points = || robot.points_of(0).map(|point| from_joint(robot, point));
         Self {
             heel: points().map(|point| point.x).fold(f64::INFINITY, f64::min),
             toe: points().map(|point| point.x).fold(f64::NEG_INFINITY, f64::max),
@@ -120,8 +119,8 @@ struct Foot {
     /// Those at the heel, and those at the toe.
     ends: [Vec<usize>; 2],
     rows: FootRows,
-    /// The walking direction along the body's axes; none in the plane, where it is that of x.
-    forward: Option<Vector3<f64>>,
+    /// `body_from_foot`; none where the foot's axes are those of its body.
+    turn: Option<Matrix3<f64>>,
 }
 
 impl Foot {
@@ -138,12 +137,13 @@ impl Foot {
 /// Where the feet are and how they move; preallocated. Valid after [`FeetMotion::update`].
 #[derive(Clone, Debug)]
 pub struct FeetMotion {
+    is_planar: bool,
     feet: Vec<Foot>,
     /// Centre of each foot's contact points [m].
     pub position: Vec<Vector3<f64>>,
     /// Its velocity [m/s].
     pub velocity: Vec<Vector3<f64>>,
-    /// Orientation of each foot's body: `world_from_foot`.
+    /// Orientation of each foot: `world_from_foot`, whose x axis is the walking direction.
     pub rotation: Vec<Matrix3<f64>>,
     /// Its angular velocity [rad/s].
     pub angular_velocity: Vec<Vector3<f64>>,
@@ -160,18 +160,19 @@ impl FeetMotion {
         let foot = |(index, rows): (usize, FootRows)| {
             let contacts: Vec<usize> = robot.points_of(index).collect();
             let body = contacts.first().map_or(0, |&contact| robot.contacts[contact].body);
-            let turn = robot_from_body(robot, body);
-            let place = |&contact: &usize| (turn * robot.contacts[contact].position).x;
+            let turn = foot_from_body(robot, body);
+            let place = |&contact: &usize| from_joint(robot, contact).x;
             let ends = [-1.0, 1.0].map(|side| {
                 let far = contacts.iter().map(|contact| side * place(contact)).fold(f64::NEG_INFINITY, f64::max);
                 contacts.iter().copied().filter(|contact| side * place(contact) > far - 1e-3).collect()
             });
-            let forward = (!robot.is_planar()).then(|| turn.row(0).transpose());
-            Foot { body, contacts, ends, rows, forward }
+            let turn = (turn != Matrix3::identity()).then(|| turn.transpose());
+            Foot { body, contacts, ends, rows, turn }
         };
         let feet: Vec<Foot> = FootRows::of(robot).into_iter().enumerate().map(foot).collect();
         let (count, rows) = (feet.len(), FootRows::count(robot));
         Self {
+            is_planar: robot.is_planar(),
             feet,
             position: vec![Vector3::zeros(); count],
             velocity: vec![Vector3::zeros(); count],
@@ -206,17 +207,10 @@ impl FeetMotion {
         &self.feet[foot].ends
     }
 
-    /// Where a foot points in the world: the walking direction along its body, a unit vector; in the plane the body's x axis.
-    #[inline]
-    pub fn forward(&self, foot: usize) -> Vector3<f64> {
-        let rotation = &self.rotation[foot];
-        self.feet[foot].forward.map_or_else(|| rotation.column(0).into_owned(), |forward| rotation * forward)
-    }
-
     /// The walking direction of a foot, a horizontal unit vector: that of x in the plane.
     #[inline]
     pub fn ahead(&self, foot: usize) -> Vector3<f64> {
-        if self.feet[foot].forward.is_none() { Vector3::x() } else { level(&self.forward(foot)) }
+        if self.is_planar { Vector3::x() } else { level(&self.rotation[foot].column(0).into_owned()) }
     }
 
     /// Takes the feet from the `dynamics` of `model`. Allocates nothing.
@@ -224,7 +218,8 @@ impl FeetMotion {
         for index in 0..self.feet.len() {
             self.place(model, dynamics, index, Footing::Stands);
             let foot = &self.feet[index];
-            self.rotation[index] = dynamics.world_from_body[foot.body].rotation;
+            let rotation = dynamics.world_from_body[foot.body].rotation;
+            self.rotation[index] = foot.turn.map_or(rotation, |turn| rotation * turn);
             self.angular_velocity[index] = dynamics.body_velocity[foot.body].angular;
             if foot.rows.angular.is_empty() {
                 continue;
@@ -264,6 +259,17 @@ impl FeetMotion {
 pub fn level(forward: &Vector3<f64>) -> Vector3<f64> {
     let length = libm::hypot(forward.x, forward.y);
     if length > 1e-9 { Vector3::new(forward.x / length, forward.y / length, 0.0) } else { Vector3::x() }
+}
+
+/// The horizontal unit vector to which a rotation turns x about z, however much it tilts besides: the twist about z. It is x where
+/// there is none, after half a turn about a horizontal axis.
+pub fn heading(rotation: &Matrix3<f64>) -> Vector3<f64> {
+    level(&Vector3::new(rotation[(0, 0)] + rotation[(1, 1)], rotation[(1, 0)] - rotation[(0, 1)], 0.0))
+}
+
+/// The horizontal to the right of `forward`, a unit vector.
+pub fn right_of(forward: &Vector3<f64>) -> Vector3<f64> {
+    headed(&level(forward)) * -Vector3::y()
 }
 
 /// The rotation that takes x to the horizontal unit vector `ahead`, about z.
@@ -317,6 +323,15 @@ mod tests {
         for (from, to) in [(0.2, 0.5), (-1.0, 2.0), (0.3, 0.3)] {
             let error = rotation_error(&pitched(from), &pitched(to));
             assert!((error - Vector3::new(0.0, -(to - from), 0.0)).norm() < 1e-14, "{from} to {to}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_heading_stays_whatever_way_a_body_tilts() {
+        for (yaw, pitch, roll) in [(0.0, 2.5, 0.0), (1.2, -2.0, 0.0), (-2.8, 0.0, 1.9), (3.1, 1.6, 0.0)] {
+            let ahead = Vector3::new(libm::cos(yaw), libm::sin(yaw), 0.0);
+            let rotation = headed(&ahead) * pitched(pitch) * rotated(&Vector3::new(roll, 0.0, 0.0));
+            assert!((heading(&rotation) - ahead).norm() < 1e-12, "{yaw} {pitch} {roll}: {}", heading(&rotation));
         }
     }
 

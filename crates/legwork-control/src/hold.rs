@@ -53,7 +53,7 @@ impl HoldController {
 }
 
 /// The torques of the actuated joints that hold `model` at rest, with the least forces on the contact points that touch: the least
-/// squares of `S τ + Jᵀ ρ = G + e`, with `e` the pull of springs and stops.
+/// squares of `S τ + Jᵀ ρ = G + e`, with `e` what springs and stops add to the weight (`Dynamics::elastic`).
 fn standing(model: &Model, start: &Sensed) -> Vec<f64> {
     let mut dynamics = Dynamics::new(model);
     dynamics.update(model, &start.q, &vec![0.0; model.nv()]);

@@ -3,8 +3,6 @@
 //! An [`Episode`] lets both act on each other, tick by tick, and writes a record of each tick. Controller, reference generator
 //! and physics are those of the scenario, or one's own ([`Parts`]).
 
-use std::borrow::Cow;
-
 use legwork_qp::Status;
 use legwork_rbd::Dynamics;
 
@@ -15,7 +13,7 @@ use crate::control::{Controller, HoldController};
 use crate::diagnosis::{self, Diagnosis, Fall};
 use crate::error::Error;
 use crate::feet::FeetMotion;
-use crate::generator::{Generator, check_model};
+use crate::generator::{Generator, check_feet, check_model};
 use crate::log::Log;
 use crate::metrics::{Measuring, Metrics};
 use crate::momentum::{Condition, Fallback, Limit, Task};
@@ -141,9 +139,9 @@ pub struct Parts {
     pub clock: Option<fn() -> f64>,
 }
 
-/// The diagnosis of a fall looks back at so many seconds. Where a sink takes the records, those of the latest so many seconds stay in
-/// memory, or up to a quarter more.
-pub const KEPT_S: f64 = 10.0;
+/// Where a sink takes the records, those of the latest so many seconds stay in memory, or up to a quarter more: what the diagnosis of a
+/// fall looks back at.
+pub const KEPT_S: f64 = diagnosis::LOOKS_BACK_S;
 
 /// So many ticks of a run are timed at most.
 pub const MOST_TIMED: usize = 1_000_000;
@@ -210,8 +208,11 @@ impl Episode {
     /// Those of [`Episode::new`]; a physics whose state is none of the robot's, or two channels of one name.
     pub fn with(scenario: &Scenario, model: &Robot, parts: Parts) -> Result<Self, Error> {
         let momentum = parts.controller.is_none() && scenario.controller.kind == ControllerKind::Momentum;
-        if momentum && parts.generator.is_none() {
-            check_model(model, scenario.reference.generator)?;
+        match parts.generator {
+            None if momentum => check_model(model, scenario.reference.generator)?,
+            // It sees two feet (Observation).
+            Some(_) if parts.controller.is_none() => check_feet(model)?,
+            _ => {}
         }
         let across = scenario.ground.cross_slope_deg;
         if model.is_planar() && across != 0.0 {
@@ -499,12 +500,7 @@ impl Episode {
         let (tasks, limits) = (self.controller.tasks().to_vec(), self.controller.limits().to_vec());
         let diagnosis = match &outcome {
             Outcome::Fell(fall) => {
-                // Of as many records wherever they go, so that a run is explained in the same words.
-                let (from, mut latest) = (fall.time - KEPT_S, Cow::Borrowed(&self.log));
-                if latest.time(0) < from {
-                    latest = Cow::Owned(latest.since(from));
-                }
-                Some(diagnosis::diagnose(&self.scenario, &self.model, fall, &latest, (&tasks, &limits)))
+                Some(diagnosis::diagnose(&self.scenario, &self.model, fall, &self.log, (&tasks, &limits)))
             }
             Outcome::Completed | Outcome::Stopped => None,
         };

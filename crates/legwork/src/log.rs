@@ -112,7 +112,9 @@ impl Log {
     #[must_use]
     pub fn since(&self, time: f64) -> Self {
         let first = (0..self.len()).find(|&index| self.time(index) >= time - 1e-9).unwrap_or(self.len());
-        Self { values: self.values[first * self.columns.width()..].to_vec(), ..self.clone() }
+        let Self { columns, foot_of, kept, .. } = self;
+        let values = self.values[first * columns.width()..].to_vec();
+        Self { columns: columns.clone(), values, foot_of: foot_of.clone(), kept: *kept }
     }
 
     /// All values of the column at `index`.

@@ -86,6 +86,14 @@ pub fn create(path: &Path, scenario: &str) -> Result<Box<dyn Sink>, Error> {
     })
 }
 
+/// The error of a Parquet file; that of the disk without the words around it.
+fn refused(path: &Path, error: &ParquetError) -> Error {
+    match error {
+        ParquetError::External(source) => failed(path, source),
+        other => failed(path, other),
+    }
+}
+
 fn failed(path: &Path, error: impl Display) -> Error {
     Error::Io { path: path.to_owned(), problem: error.to_string() }
 }
@@ -186,6 +194,9 @@ impl Debug for Parquet {
 impl Parquet {
     fn begin(&mut self, columns: &Columns) -> Result<(), ParquetError> {
         let Some(file) = self.file.take() else { return Ok(()) };
+        if columns.width() == 0 {
+            return Err(ParquetError::General("found no column; a log has one at least".to_owned()));
+        }
         let column = |channel: &Channel| {
             let column = Type::primitive_type_builder(&channel.name, PhysicalType::DOUBLE);
             column.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
@@ -248,11 +259,11 @@ impl Parquet {
 
 impl Sink for Parquet {
     fn record(&mut self, columns: &Columns, values: &[f64]) -> Result<(), Error> {
-        self.take(columns, values).map_err(|error| failed(&self.path, error))
+        self.take(columns, values).map_err(|error| refused(&self.path, &error))
     }
 
     fn finish(&mut self, hashes: &Hashes) -> Result<(), Error> {
-        self.close(hashes).map_err(|error| failed(&self.path, error))
+        self.close(hashes).map_err(|error| refused(&self.path, &error))
     }
 }
 

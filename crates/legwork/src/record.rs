@@ -9,7 +9,7 @@ use xxhash_rust::xxh3::{Xxh3, xxh3_128};
 use crate::channel::{Channel, Columns, Field, Record};
 use crate::contract::Sensed;
 use crate::control::controller::Controller;
-use crate::feet::{FeetMotion, FootRows};
+use crate::feet::{FeetMotion, FootRows, right_of};
 use crate::generator::{PointReference, Reference};
 use crate::names;
 use crate::robot::Robot;
@@ -80,10 +80,13 @@ pub(crate) fn state(record: &mut Record<'_>, model: &Robot, truth: &Sensed, dyna
     record.set(Field::V, truth.v.iter().copied());
     record.set(Field::Com, along(model, dynamics.com));
     record.set(Field::ComVelocity, along(model, dynamics.com_velocity));
-    // About −y, which is the plane's only axis.
-    let (row, sign) = if model.is_planar() { (0, 1.0) } else { (1, -1.0) };
-    let turning = model.angular_axes()[row].dot(&dynamics.body_velocity[model.torso].angular);
-    record.set(Field::Torso, [model.torso_angle(dynamics, &truth.q), sign * turning]);
+    let turning = dynamics.body_velocity[model.torso].angular;
+    let turning = if model.is_planar() {
+        model.angular_axes()[0].dot(&turning)
+    } else {
+        right_of(&dynamics.world_from_body[model.torso].rotation.column(0).into_owned()).dot(&turning)
+    };
+    record.set(Field::Torso, [model.torso_angle(dynamics, &truth.q), turning]);
     record.set(Field::Feet, dynamics.contact_positions.iter().flat_map(|point| along(model, *point)));
     record.set(Field::Touching, truth.contacts.iter().map(|contact| f64::from(u8::from(contact.touching))));
     let elastic = model.is_elastic().then_some(dynamics.elastic_energy);

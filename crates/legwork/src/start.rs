@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use crate::error::Error;
 use crate::feet::{FeetMotion, Sole, pitched, rotation_error};
+use crate::generator::check_feet;
 use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::terrain::Terrain;
@@ -16,8 +17,9 @@ const TOLERANCE: f64 = 1e-12;
 /// orientation), CoM and torso as given, all joints within their limits.
 ///
 /// # Errors
-/// No such pose exists: it names what could not be met.
+/// The robot has not two feet, or no such pose exists: it names what could not be met.
 pub fn start_pose(scenario: &Scenario, model: &Robot, ground: &Terrain) -> Result<DVector<f64>, Error> {
+    check_feet(model)?;
     let start = &scenario.start;
     let stature = scenario.wearer.stature();
     let on_ground = |x: f64, y: f64| Vector3::new(stature * x, y, ground.height_at(stature * x, y));

@@ -2,13 +2,14 @@
 
 mod common;
 
+use legwork::Robot;
 use legwork::episode::{self, Outcome, Parts, Run};
 use legwork::log::Field;
 use legwork::scenario::Scenario;
 use legwork::start::start_pose;
 use legwork::{library, scenario_file};
-use legwork_rbd::Model;
-use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use legwork_rbd::{Joint, Model, Revolute};
+use nalgebra::{Rotation3, Unit, UnitQuaternion, Vector3};
 
 /// A box of 10 kg in space with four contact points under it, on one foot.
 const BOX: &str = r#"
@@ -152,10 +153,72 @@ fn a_robot_that_points_elsewhere_has_the_same_margins_and_the_same_words() {
                 let off = (other[x] + one[y]).hypot(other[y] - one[x]);
                 assert!(off < 1e-5, "tick {tick}, column {x}: {one:?} and {other:?}");
             }
-            let [lean, turned] = [&run, &quarter].map(|run| run.log.get(tick, Field::TorsoReference)[0]);
-            assert!((lean - turned).abs() < 1e-9);
+            for field in [Field::Torso, Field::TorsoReference] {
+                let [one, other] = [&run, &quarter].map(|run| run.log.get(tick, field));
+                let off = one.iter().zip(other).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+                assert!(off < 1e-5, "{field:?} in tick {tick}: {one:?} and {other:?}");
+            }
             least = least.min(one[MARGIN]);
         }
         assert_eq!(least < 0.0, falls, "{least} m");
     }
+}
+
+#[test]
+fn a_torso_leans_the_way_that_it_is_pushed_however_far() {
+    let hard = ["pushes.0.force_n=2500", "pushes.0.start_s=0.3", "fall.min_com_height_fraction=0.05", "duration_s=3"];
+    for (set, way) in [
+        ("fall.max_torso_angle_deg=60", "60 deg forward"),
+        ("fall.max_torso_angle_deg=150", "150 deg forward"),
+        ("pushes.0.heading_deg=-90", "60 deg to the right"),
+        ("pushes.0.heading_deg=90", "60 deg to the left"),
+    ] {
+        let reason = common::run("exo-sway", &[&hard[..], &[set]].concat()).reason.expect("it falls");
+        assert!(reason.ends_with(&format!("the torso leaned {way} of its reference")), "{reason}");
+    }
+}
+
+/// The robot with the axes of its feet's bodies turned about z by `degrees`, and nothing else: the same robot.
+fn with_turned_feet(mut robot: Robot, degrees: f64) -> Robot {
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), degrees.to_radians()).into_inner();
+    let mut feet: Vec<usize> = robot.contacts.iter().map(|contact| contact.body).collect();
+    feet.dedup();
+    for foot in feet {
+        let body = &mut robot.bodies[foot];
+        body.placement.rotation *= turn;
+        body.com = turn.transpose() * body.com;
+        body.inertia = turn.transpose() * body.inertia * turn;
+        let Joint::Revolute(Revolute { axis }) = &mut body.joint else { panic!("an ankle turns") };
+        *axis = Unit::new_unchecked(turn.transpose() * axis.into_inner());
+    }
+    for contact in &mut robot.contacts {
+        contact.position = turn.transpose() * contact.position;
+    }
+    robot
+}
+
+#[test]
+fn the_axes_of_a_foot_do_not_matter() {
+    for (name, degrees) in [("exo-sway", 90.0), ("exo-sway", -30.0), ("feet-walk", 180.0)] {
+        let loaded = scenario_file::load(name, &["duration_s=1".to_owned()]).expect("built in");
+        let robot = loaded.model().expect("built in");
+        let run = |robot: &Robot| episode::run(&loaded.scenario, robot, &[], |_| false).expect("it can start");
+        let (one, other) = (run(&robot), run(&with_turned_feet(robot.clone(), degrees)));
+        assert_eq!((&one.outcome, &other.outcome), (&Outcome::Completed, &Outcome::Completed), "{:?}", other.reason);
+        let last = one.log.len() - 1;
+        for field in [Field::Com, Field::Feet, Field::Q] {
+            let [one, other] = [&one, &other].map(|run| run.log.get(last, field));
+            let off = one.iter().zip(other).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-4, "{name}, {degrees} deg, {field:?}: {off}");
+        }
+    }
+}
+
+#[test]
+fn a_robot_without_two_feet_is_refused_where_two_are_wanted() {
+    let text = BOX.replace(r#"foot = "box", "#, "");
+    let robot = Robot::from_toml(&text, "box.toml").expect("a robot with four feet");
+    let loaded = scenario_file::load("exo-sway", &["controller.kind=hold".to_owned()]).expect("built in");
+    let error = episode::run(&loaded.scenario, &robot, &[], |_| false).expect_err("it has four feet");
+    assert_eq!(error.to_string(), "model: found a robot with 4 feet; valid is one with two, right before left");
 }

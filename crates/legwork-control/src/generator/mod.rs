@@ -17,7 +17,7 @@ use std::fmt::Debug;
 use legwork_contract::contract::Sensed;
 use legwork_contract::error::Error;
 pub use legwork_contract::feet::Footing;
-use legwork_contract::feet::{FeetMotion, headed, level, rotated, rotation_error};
+use legwork_contract::feet::{FeetMotion, right_of, rotated, rotation_error};
 use legwork_contract::robot::Robot;
 use legwork_contract::terrain::Terrain;
 use legwork_rbd::Dynamics;
@@ -25,7 +25,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::settings::{GeneratorKind, ReferenceSettings};
 pub use com_trajectory::ComTrajectory;
-pub use needs::check_model;
+pub use needs::{check_feet, check_model};
 pub use stance::Stance;
 pub use step::{Phase, StepMachine, Steps};
 pub use walker::Walker;
@@ -82,7 +82,7 @@ impl TurnReference {
             return [self.turn, self.velocity, self.acceleration].map(|vector| -vector.y);
         }
         let x = rotated(&self.turn).column(0).into_owned();
-        let right = headed(&level(&x)) * -Vector3::y();
+        let right = right_of(&x);
         [libm::atan2(x.z, libm::hypot(x.x, x.y)), right.dot(&self.velocity), right.dot(&self.acceleration)]
     }
 }
@@ -187,7 +187,7 @@ impl Observation {
             rotation: [0, 1].map(|foot| feet.rotation[foot]),
             ahead: [0, 1].map(|foot| feet.ahead(foot)),
             pitch: [0, 1].map(|foot| {
-                let (forward, ahead) = (feet.forward(foot), feet.ahead(foot));
+                let (forward, ahead) = (feet.rotation[foot].column(0).into_owned(), feet.ahead(foot));
                 let turning = &feet.angular_velocity[foot];
                 [libm::atan2(forward.z, forward.dot(&ahead)), ahead.y * turning.x - ahead.x * turning.y]
             }),

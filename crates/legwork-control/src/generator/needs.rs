@@ -1,7 +1,7 @@
 //! What each generator needs of a robot.
 
 use legwork_contract::error::Error;
-use legwork_contract::feet::Sole;
+use legwork_contract::feet::{Sole, from_joint};
 use legwork_contract::robot::Robot;
 use legwork_rbd::Base;
 
@@ -19,8 +19,9 @@ fn has_ankles(model: &Robot) -> bool {
 /// What is wrong with the soles on which the walker is to stand: each is level, below its ankle, and the other's like.
 fn uneven_soles(model: &Robot) -> Option<String> {
     let sole = Sole::of(model);
-    for contact in &model.contacts {
-        let [x, z] = [contact.position.x, contact.position.z];
+    for (point, contact) in model.contacts.iter().enumerate() {
+        let place = from_joint(model, point);
+        let [x, z] = [place.x, place.z];
         if z >= 0.0 || (z + sole.ankle).abs() > LEVEL_M {
             return Some(format!(
                 "contact point '{}' is at z = {z} m from its ankle; the walker's soles are level, here at z = {} m, below the ankle",
@@ -51,6 +52,18 @@ pub(super) fn check_reach(walker: &WalkerSettings, model: &Robot) -> Result<(), 
         }
     }
     Ok(())
+}
+
+/// Two feet, as every start pose and every generator wants them.
+///
+/// # Errors
+/// The model has another number of feet.
+pub fn check_feet(model: &Robot) -> Result<(), Error> {
+    if model.feet.len() == 2 {
+        return Ok(());
+    }
+    let problem = format!("found a robot with {} feet; valid is one with two, right before left", model.feet.len());
+    Err(Error::invalid("model", problem))
 }
 
 /// Two feet, right before left; the thesis's steps want a planar robot with point feet.

@@ -23,7 +23,8 @@ function animate(figure) {
   const [play, slider, clock, speed, state] = [".play", ".time", ".clock", ".speed", ".state"].map(find);
   const last = data.frames.length - 1;
   const end = last * data.period;
-  const start = (data.slope * data.frames[0][data.axes * data.points]) / 1000; // of the ground below the robot [m]
+  const height = ([x, y]) => data.slopes[0] * x + data.slopes[1] * y; // of the ground at a place [m]
+  let start = null; // height of the ground along x below the robot at the begin [m]
   let now = 0;        // [s]
   let playing = null; // when the latest frame was drawn [ms]
   const cursors = [];
@@ -56,7 +57,8 @@ function animate(figure) {
 
     for (const stage of stages) {
       let part = 0;
-      const { pixel, cone, tip, push, net } = view(stage, data.slope * com[0]);
+      start ??= height([com[0], 0]);
+      const { pixel, cone, tip, push, net } = view(stage, height([com[0], 0]));
       const d = (path) => stage.pose[part++].setAttribute("d", path);
       const move = (point) => stage.pose[part++].setAttribute("transform", `translate(${pixel(point).map(tenth).join(" ")})`);
       contacts.forEach((point, k) => d(Math.hypot(...forces[k]) > 1 ? cone(point) : ""));
@@ -85,7 +87,7 @@ function animate(figure) {
     const visible = box.width / zoom / data.scale;
     const place = [...com];
     if (high - low + 0.5 < visible) place[across] = (low + high) / 2;
-    return [place[0], place[1], data.slope * place[0]];
+    return [place[0], place[1], height(place)];
   }
 
   const tenth = (value) => Math.round(10 * value) / 10;
@@ -99,7 +101,7 @@ function animate(figure) {
     return path([tail, [tip[0] - 0.8 * head * x, tip[1] - 0.8 * head * y]]) + path([corner(1), tip, corner(-1)]) + "Z";
   }
 
-  // How a stage shows places and forces. From the front the ground is level and stays as high as where the robot began.
+  // How a stage shows places and forces. From the front the ground stays as high as where the robot began.
   function view({ across, cone }, ground) {
     const base = across === 0 ? 0 : ground - start;
     const pixel = (point) => [data.scale * point[across], -data.scale * (point[2] - base)];

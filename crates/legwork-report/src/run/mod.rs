@@ -149,6 +149,9 @@ fn head(run: &Run) -> Markup {
                 }
                 span { "friction " b { (scenario.ground.friction) } } " "
                 span { "slope " b { (scenario.ground.slope_deg) "\u{b0}" } } " "
+                @if scenario.ground.cross_slope_deg != 0.0 {
+                    span { "slope across " b { (scenario.ground.cross_slope_deg) "\u{b0}" } } " "
+                }
                 @for push in &scenario.pushes {
                     span {
                         "push " b { (push.in_words()) } " on " (pushed(push)) " at "

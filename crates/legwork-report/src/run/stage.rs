@@ -29,8 +29,8 @@ struct Data<'a> {
     scale: f64,
     metres_per_newton: f64,
     cone_length: f64,
-    /// Rise of the ground along x.
-    slope: f64,
+    /// Rise of the ground along x and y.
+    slopes: [f64; 2],
     /// Numbers of a place: x and z, or x, y and z.
     axes: usize,
     /// A stage for each side from which the robot is seen.
@@ -89,7 +89,7 @@ pub(super) fn animation(run: &Run, id: &str) -> Markup {
         scale: scale.round(),
         metres_per_newton: views[0].metres_per_newton,
         cone_length: views[0].cone_length,
-        slope: poses.ground.base().steepness()[0],
+        slopes: poses.ground.base().steepness(),
         axes,
         stages: views.iter().map(stage).collect(),
         points: shown[0].points.len(),

@@ -21,8 +21,8 @@ pub struct StepLimits {
 }
 
 /// A moment of a walk, as its capturability depends on it along one direction. In space that is the way out of the base of support
-/// ([`super::support`]), and the region of a number of steps is between the lines that the two ends of the support move to:
-/// the region that the steps along the walking direction reach lies between them.
+/// ([`super::support`]); there the region of a number of steps has no place outside of it that the steps could reach, but may have
+/// places that they cannot: the steps to a stop are the least that may do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capture {
     /// The unit direction along which it is measured; x in the plane.
@@ -41,7 +41,7 @@ pub struct Capture {
 
 impl StepLimits {
     /// What of the steps counts along a direction whose component along the walking direction is `share`.
-    pub fn along(&self, share: f64) -> Self {
+    pub fn seen_along(&self, share: f64) -> Self {
         let [back, front] = self.longest;
         Self { longest: [-share, share].map(|share| (share * front).max(-share * back)), ..*self }
     }

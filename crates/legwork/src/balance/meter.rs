@@ -70,8 +70,8 @@ pub struct Meter {
     pushes: Vec<Push>,
     /// The foot of each contact point.
     foot_of: Vec<usize>,
-    /// The contact points at the heels, then those at the toes; none for a planar robot.
-    ends: [Vec<usize>; 2],
+    /// The contact points at the heel, then those at the toe, of each foot; none for a planar robot.
+    ends: Vec<[Vec<usize>; 2]>,
 }
 
 impl Meter {
@@ -80,7 +80,7 @@ impl Meter {
         let feet = FeetMotion::new(model);
         let spatial = if model.is_planar() { 0 } else { model.feet.len() };
         Self {
-            ends: [0, 1].map(|end| (0..spatial).flat_map(|foot| feet.ends(foot)[end].iter().copied()).collect()),
+            ends: (0..spatial).map(|foot| feet.ends(foot).clone()).collect(),
             ground: scenario.terrain(model),
             believed: scenario.believed_terrain(model),
             weight: model.total_mass() * model.gravity,
@@ -131,12 +131,11 @@ impl Meter {
     /// The walking direction in a record whose values are those that `get` gives, a horizontal unit vector: the feet's, from their
     /// heels to their toes; that of x in the plane, and where feet have no length. Allocates nothing.
     pub fn ahead<'a>(&self, get: impl Fn(Field) -> &'a [f64]) -> Point {
-        let sum = |points: &[usize]| -> Vector3<f64> {
+        let middle = |points: &Vec<usize>| -> Vector3<f64> {
             points.iter().map(|&point| vector(&get(Field::Feet)[3 * point..][..3])).sum::<Vector3<f64>>()
                 / points.len() as f64
         };
-        let [heels, toes] = self.ends.each_ref().map(|points| sum(points));
-        let way = toes - heels;
+        let way: Vector3<f64> = self.ends.iter().map(|[heel, toe]| middle(toe) - middle(heel)).sum();
         let length = libm::hypot(way.x, way.y);
         if length > 1e-6 { [way.x / length, way.y / length] } else { [1.0, 0.0] }
     }
@@ -156,7 +155,7 @@ impl Meter {
         let points = || get(Field::Feet).chunks_exact(axes).map(place).enumerate();
         let support = ends(points().filter(|(k, _)| touching[*k] > 0.5).map(|(_, x)| x))?;
         let feet = ends(points().filter(|(k, _)| stands(self.foot_of[*k])).map(|(_, x)| x))?;
-        let limits = if axes == 2 { self.limits } else { self.limits.along(along(way, self.ahead(&get))) };
+        let limits = if axes == 2 { self.limits } else { self.limits.seen_along(along(way, self.ahead(&get))) };
         let landing_s = match *get(Field::Swing) {
             [foot, since] if foot >= 0.0 => (self.limits.swing_s - (get(Field::Time)[0] - since)).max(0.0),
             _ => self.limits.double_support_s + self.limits.swing_s,

@@ -18,12 +18,12 @@ mod words;
 use legwork_rbd::Dynamics;
 
 use crate::contract::Sensed;
-use crate::feet::{headed, level, pitched};
+use crate::feet::{headed, heading, pitched};
 use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::terrain::Terrain;
 pub use cause::{Diagnosis, Event, FirstCause, What};
-pub use rules::diagnose;
+pub use rules::{LOOKS_BACK_S, diagnose};
 
 /// Which part of the definition was met.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,8 +47,10 @@ pub enum Cause {
     },
     /// The torso leans too far.
     TorsoLeans {
-        /// Its angle from the reference [rad], counter-clockwise (backward) positive.
+        /// Its angle from the reference [rad], without a sign.
         angle: f64,
+        /// Which way: `forward`, `backward`, `to the left` or `to the right`.
+        way: &'static str,
     },
 }
 
@@ -98,18 +100,25 @@ pub fn fall(
         return at(Cause::ComTooLow { height, lowest });
     }
     let reference = scenario.controller.planner.torso_angle_deg.to_radians();
-    let angle = if model.is_planar() {
-        model.torso_angle(dynamics, &truth.q) - reference
+    let (angle, way) = if model.is_planar() {
+        let angle = model.torso_angle(dynamics, &truth.q) - reference;
+        (angle.abs(), if angle > 0.0 { "backward" } else { "forward" })
     } else {
-        // Of the torso's upward axis, whatever way it leans; as if counter-clockwise where it leans back from where it points.
+        // Of the torso's upward axis, as seen from the torso's heading.
         let torso = &dynamics.world_from_body[model.torso].rotation;
-        let ahead = level(&torso.column(0).into_owned());
-        let (up, wanted) = (torso.column(2).into_owned(), headed(&ahead) * pitched(reference).column(2));
-        let lean = libm::atan2(wanted.cross(&up).norm(), wanted.dot(&up));
-        if (up - wanted).dot(&ahead) > 0.0 { -lean } else { lean }
+        let up = headed(&heading(torso)).transpose() * torso.column(2);
+        let wanted = pitched(reference).column(2).into_owned();
+        let off = up - wanted;
+        let way = match off.x.abs() > off.y.abs() {
+            true if off.x > 0.0 => "forward",
+            true => "backward",
+            false if off.y > 0.0 => "to the left",
+            false => "to the right",
+        };
+        (libm::atan2(wanted.cross(&up).norm(), wanted.dot(&up)), way)
     };
-    if angle.abs() > settings.max_torso_angle_deg.to_radians() {
-        return at(Cause::TorsoLeans { angle });
+    if angle > settings.max_torso_angle_deg.to_radians() {
+        return at(Cause::TorsoLeans { angle, way });
     }
     None
 }
@@ -130,9 +139,8 @@ pub(crate) fn definition(fall: &Fall) -> String {
         Cause::ComTooLow { height, lowest } => {
             format!("the centre of mass sank to {height:.3} m, below {lowest:.3} m")
         }
-        Cause::TorsoLeans { angle } => {
-            let way = if *angle > 0.0 { "backward" } else { "forward" };
-            format!("the torso leaned {:.0} deg {way} of its reference", angle.abs().to_degrees())
+        Cause::TorsoLeans { angle, way } => {
+            format!("the torso leaned {:.0} deg {way} of its reference", angle.to_degrees())
         }
     }
 }

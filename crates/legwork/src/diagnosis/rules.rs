@@ -59,8 +59,19 @@ const NEEDED: [Field; 9] = [
     Field::EnergyError,
 ];
 
-/// Why the robot of `scenario` fell; `log` is that of the whole run, with the tasks and the limits of its controller.
+/// A diagnosis looks back at so many seconds before the fall, however long the log is: a run is explained in the same words wherever
+/// its records go.
+pub const LOOKS_BACK_S: f64 = 10.0;
+
+/// Why the robot of `scenario` fell, by the end of its run's `log`; with the tasks and the limits of its controller.
 pub fn diagnose(scenario: &Scenario, model: &Robot, fall: &Fall, log: &Log, told: (&[Task], &[Limit])) -> Diagnosis {
+    let latest;
+    let log = if log.is_empty() || log.time(0) >= fall.time - LOOKS_BACK_S {
+        log
+    } else {
+        latest = log.since(fall.time - LOOKS_BACK_S);
+        &latest
+    };
     let the_fall = Event { time: fall.time, what: What::Fell };
     // A controller or a physics of another kind may not tell what the rules ask for.
     if log.is_empty() || NEEDED.iter().any(|field| log.range(*field).is_empty()) {

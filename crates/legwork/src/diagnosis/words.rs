@@ -43,7 +43,9 @@ fn rounded(value: f64) -> f64 {
 /// The slope and what was assumed of it, where the controller was not told.
 fn slope(scenario: &Scenario) -> Option<String> {
     let (slope, assumed) = (rounded(scenario.ground.slope_deg), rounded(scenario.controller.assumed_slope_deg));
-    (!scenario.ground.known).then(|| format!("slope {slope} deg, assumed to be {assumed}"))
+    let across = rounded(scenario.ground.cross_slope_deg);
+    let across = if across == 0.0 { String::new() } else { format!(", slope across {across} deg, assumed to be 0") };
+    (!scenario.ground.known).then(|| format!("slope {slope} deg, assumed to be {assumed}{across}"))
 }
 
 /// What went wrong.
