@@ -413,7 +413,7 @@ fn net_force(contacts: &[Spatial], forces: &[Spatial]) -> (Spatial, Spatial) {
 /// The legend of all stick figures.
 pub(super) fn keys(run: &Run) -> Vec<Key> {
     let mut keys = vec![Key::new(Symbol::Dot, "dot", "CoM")];
-    keys.extend(marks_of(run).rev().map(|(_, _, class, name)| Key::new(Symbol::Asterisk, class, *name)));
+    keys.extend(marks_of(run).rev().map(|(_, _, class, name)| Key::new(Symbol::Asterisk, class, name)));
     if forces_of(run).is_some() {
         keys.extend([
             Key::new(Symbol::Arrow, "right", "force on a right contact point"),
