@@ -206,7 +206,7 @@ impl Terrain {
         if self.is_even() { plane } else { plane + self.relief.at(x)[0] }
     }
 
-    /// Unit normal, out of the ground, at `(x, _y)` [m]: it is the same along y.
+    /// Unit normal, out of the ground, at `(x, y)` [m]; it is the same along y.
     pub fn normal_at(&self, x: f64, _y: f64) -> Vector3<f64> {
         if self.is_even() {
             self.plane.normal
@@ -215,7 +215,7 @@ impl Terrain {
         }
     }
 
-    /// Coefficient of friction at `(x, _y)` [m]: it is the same along y.
+    /// Coefficient of friction at `(x, y)` [m]; it is the same along y.
     pub fn friction_at(&self, x: f64, _y: f64) -> f64 {
         let patch = self.patches.iter().rev().find(|[from, to, _]| (*from..*to).contains(&x));
         patch.map_or(self.plane.friction, |patch| patch[2])

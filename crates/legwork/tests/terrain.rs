@@ -103,3 +103,18 @@ fn a_ground_that_makes_no_sense_is_refused() {
         assert!(error.contains(says), "{setting}: {error}");
     }
 }
+
+#[test]
+fn the_normal_is_across_every_way_along_the_ground() {
+    let sets = ["ground.slope_deg=3", "ground.cross_slope_deg=-7", "ground.profile=[[0,0],[0.5,0.2],[1.5,-0.3]]"];
+    let loaded = scenario_file::load("exo-sway", &sets.map(str::to_owned)).expect("valid");
+    let ground = loaded.scenario.terrain(&loaded.model().expect("built in"));
+    for (x, y) in [(-0.4, 0.3), (0.2, -0.1), (1.0, 0.8), (2.0, 0.0)] {
+        let normal = ground.normal_at(x, y);
+        let rise = |dx: f64, dy: f64| ground.height_at(x + dx, y + dy) - ground.height_at(x, y);
+        for [dx, dy] in [[1e-3, 0.0], [0.0, 1e-3], [-7e-4, 4e-4]] {
+            let off = normal.x * dx + normal.y * dy + normal.z * rise(dx, dy);
+            assert!(off.abs() < 1e-15 && (normal.norm() - 1.0).abs() < 1e-15, "{off} at ({x}, {y})");
+        }
+    }
+}

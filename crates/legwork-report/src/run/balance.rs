@@ -61,7 +61,11 @@ impl<'a> Balance<'a> {
         let near = around("CoP, ZMP and XcoM from CoM", [all(&xcom()), all(&cop())], &support());
         let far = around("CMP and wanted ZMP from CoM", [most(&cmp), most(&wanted)], &support());
         let margin = self.measures.iter().map(|m| m.margin().unwrap_or(f64::NAN));
-        let lines = |y: Axis, layers: Vec<Layer>| Part { y, height: 210.0, layers, notes: Vec::new() };
+        // A controller without a plan has none of its points.
+        let lines = |y: Axis, mut layers: Vec<Layer>| {
+            layers.retain(|layer| all(layer).is_some());
+            Part { y, height: 210.0, layers, notes: Vec::new() }
+        };
         vec![
             lines(near, vec![support(), cop(), zmp, xcom()]),
             lines(far, vec![support(), cop(), wanted, cmp]),
