@@ -68,18 +68,23 @@ impl Footing {
     }
 }
 
-/// Where a contact point is, from its body's joint: along the walking direction, to the left, and up [m].
-pub fn from_joint(robot: &Robot, point: usize) -> Vector3<f64> {
-    let contact = &robot.contacts[point];
-    foot_from_body(robot, contact.body) * contact.position
+/// Where each contact point is, from its body's joint: along the walking direction, to the left, and up [m].
+pub fn from_joints(robot: &Robot) -> Vec<Vector3<f64>> {
+    let zero = at_zero(robot);
+    robot.contacts.iter().map(|contact| foot_from_body(robot, &zero, contact.body) * contact.position).collect()
+}
+
+/// The dynamics of `robot` with all joints at zero.
+fn at_zero(robot: &Robot) -> Dynamics {
+    let mut dynamics = Dynamics::new(robot);
+    dynamics.update(robot, robot.neutral().as_slice(), &vec![0.0; robot.nv()]);
+    dynamics
 }
 
 /// The rotation about z that takes a vector from the axes of a foot's `body` to the walking direction, the left and up: what the
-/// torso's axes are turned by against the body's with all joints at zero. A foot's z axis is up where it stands flat.
-fn foot_from_body(robot: &Robot, body: usize) -> Matrix3<f64> {
-    let mut dynamics = Dynamics::new(robot);
-    dynamics.update(robot, robot.neutral().as_slice(), &vec![0.0; robot.nv()]);
-    let [torso, body] = [robot.torso, body].map(|body| dynamics.world_from_body[body].rotation);
+/// torso's axes are turned by against the body's in the dynamics at `zero`. A foot's z axis is up where it stands flat.
+fn foot_from_body(robot: &Robot, zero: &Dynamics, body: usize) -> Matrix3<f64> {
+    let [torso, body] = [robot.torso, body].map(|body| zero.world_from_body[body].rotation);
     headed(&heading(&(torso.transpose() * body)))
 }
 
@@ -97,7 +102,8 @@ pub struct Sole {
 impl Sole {
     /// The sole of the feet of `robot`, that of its first foot.
     pub fn of(robot: &Robot) -> Self {
-        let points = || robot.points_of(0).map(|point| from_joint(robot, point));
+        let places = from_joints(robot);
+        let points = || robot.points_of(0).map(|point| places[point]);
         Self {
             heel: points().map(|point| point.x).fold(f64::INFINITY, f64::min),
             toe: points().map(|point| point.x).fold(f64::NEG_INFINITY, f64::max),
@@ -157,11 +163,12 @@ pub struct FeetMotion {
 impl FeetMotion {
     /// Storage for `robot`.
     pub fn new(robot: &Robot) -> Self {
+        let (zero, places) = (at_zero(robot), from_joints(robot));
         let foot = |(index, rows): (usize, FootRows)| {
             let contacts: Vec<usize> = robot.points_of(index).collect();
             let body = contacts.first().map_or(0, |&contact| robot.contacts[contact].body);
-            let turn = foot_from_body(robot, body);
-            let place = |&contact: &usize| from_joint(robot, contact).x;
+            let turn = foot_from_body(robot, &zero, body);
+            let place = |&contact: &usize| places[contact].x;
             let ends = [-1.0, 1.0].map(|side| {
                 let far = contacts.iter().map(|contact| side * place(contact)).fold(f64::NEG_INFINITY, f64::max);
                 contacts.iter().copied().filter(|contact| side * place(contact) > far - 1e-3).collect()

@@ -64,6 +64,11 @@ impl Log {
         self.columns.range(field)
     }
 
+    /// Whether there are columns of `field`: not every controller and physics gives all.
+    pub fn has(&self, field: Field) -> bool {
+        !self.range(field).is_empty()
+    }
+
     /// The values of `field` in record `index`.
     pub fn get(&self, index: usize, field: Field) -> &[f64] {
         &self.record(index)[self.range(field)]

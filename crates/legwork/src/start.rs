@@ -81,9 +81,9 @@ fn first_guess(model: &Model, target: &Target, bend: f64) -> DVector<f64> {
 
 /// Levenberg-Marquardt on the pose's errors; returns the largest error left and the pose.
 fn solve(model: &Robot, target: &Target, mut q: DVector<f64>) -> (f64, DVector<f64>) {
-    let mut dynamics = Dynamics::new(model);
+    let (mut dynamics, mut feet) = (Dynamics::new(model), FeetMotion::new(model));
     let mut damping = 1e-3;
-    let (mut error, mut jacobian) = residual(model, target, &mut dynamics, &q);
+    let (mut error, mut jacobian) = residual(model, target, &mut dynamics, &mut feet, &q);
     for _ in 0..300 {
         if error.amax() < TOLERANCE {
             break;
@@ -96,7 +96,7 @@ fn solve(model: &Robot, target: &Target, mut q: DVector<f64>) -> (f64, DVector<f
         let step = cholesky.solve(&jacobian.tr_mul(&error));
         let mut next = q.clone();
         model.integrate(q.as_slice(), step.as_slice(), 1.0, next.as_mut_slice());
-        let (next_error, next_jacobian) = residual(model, target, &mut dynamics, &next);
+        let (next_error, next_jacobian) = residual(model, target, &mut dynamics, &mut feet, &next);
         if next_error.norm_squared() < error.norm_squared() {
             (q, error, jacobian) = (next, next_error, next_jacobian);
             damping = (damping * 0.1).max(1e-15);
@@ -108,9 +108,14 @@ fn solve(model: &Robot, target: &Target, mut q: DVector<f64>) -> (f64, DVector<f
 }
 
 /// Target minus pose, and the pose's Jacobian: feet, CoM, torso.
-fn residual(model: &Robot, target: &Target, dynamics: &mut Dynamics, q: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
+fn residual(
+    model: &Robot,
+    target: &Target,
+    dynamics: &mut Dynamics,
+    feet: &mut FeetMotion,
+    q: &DVector<f64>,
+) -> (DVector<f64>, DMatrix<f64>) {
     dynamics.update(model, q.as_slice(), &vec![0.0; model.nv()]);
-    let mut feet = FeetMotion::new(model);
     feet.update(model, dynamics);
     let (linear, angular) = (model.linear_axes(), model.angular_axes());
     let (com, torso) = (feet.bias.len(), feet.bias.len() + linear.len());

@@ -111,24 +111,7 @@ fn a_spring_damper_ground_bounces_which_is_the_argument_against_it() {
     assert!(!simulator.audit().violations().is_empty(), "the penetration must be shown");
 }
 
-/// A box of 10 kg in space with four contact points under it.
-const BOX_IN_SPACE: &str = r#"
-name = "box"
-base = "floating"
-gravity_mps2 = 9.81
-torso = "box"
-contacts = [
-    { name = "a", foot = "a", body = "box", position_m = [-0.1, -0.1, -0.05] },
-    { name = "b", foot = "b", body = "box", position_m = [-0.1, 0.1, -0.05] },
-    { name = "c", foot = "c", body = "box", position_m = [0.1, -0.1, -0.05] },
-    { name = "d", foot = "d", body = "box", position_m = [0.1, 0.1, -0.05] },
-]
-[[bodies]]
-name = "box"
-mass_kg = 10.0
-com_m = [0.0, 0.0, 0.0]
-inertia_kgm2 = { xx = 0.1, yy = 0.1, zz = 0.1, xy = 0.0, xz = 0.0, yz = 0.0 }
-"#;
+const BOX_IN_SPACE: &str = include_str!("data/box_in_space.toml");
 
 #[test]
 fn a_box_in_space_sticks_and_slides_as_in_the_plane() {

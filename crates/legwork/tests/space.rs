@@ -11,28 +11,11 @@ use legwork::{library, scenario_file};
 use legwork_rbd::{Joint, Model, Revolute};
 use nalgebra::{Rotation3, Unit, UnitQuaternion, Vector3};
 
-/// A box of 10 kg in space with four contact points under it, on one foot.
-const BOX: &str = r#"
-name = "box"
-base = "floating"
-gravity_mps2 = 9.81
-torso = "box"
-contacts = [
-    { name = "a", foot = "box", body = "box", position_m = [-0.1, -0.1, -0.05] },
-    { name = "b", foot = "box", body = "box", position_m = [-0.1, 0.1, -0.05] },
-    { name = "c", foot = "box", body = "box", position_m = [0.1, -0.1, -0.05] },
-    { name = "d", foot = "box", body = "box", position_m = [0.1, 0.1, -0.05] },
-]
-[[bodies]]
-name = "box"
-mass_kg = 10.0
-com_m = [0.0, 0.0, 0.0]
-inertia_kgm2 = { xx = 0.1, yy = 0.1, zz = 0.1, xy = 0.0, xz = 0.0, yz = 0.0 }
-"#;
+const BOX_IN_SPACE: &str = include_str!("data/box_in_space.toml");
 
 /// How fast the box is after 1 s on a slope [m/s], and how far its contact points slipped [m].
 fn on_slope(friction: f64, slope_deg: f64, cross_slope_deg: f64) -> (Vector3<f64>, f64) {
-    let model = Model::from_toml(BOX, "box.toml").expect("a valid model");
+    let model = Model::from_toml(BOX_IN_SPACE, "box.toml").expect("a valid model");
     let mut scenario = Scenario::default();
     (scenario.ground.friction, scenario.ground.slope_deg) = (friction, slope_deg);
     scenario.ground.cross_slope_deg = cross_slope_deg;
@@ -216,8 +199,7 @@ fn the_axes_of_a_foot_do_not_matter() {
 
 #[test]
 fn a_robot_without_two_feet_is_refused_where_two_are_wanted() {
-    let text = BOX.replace(r#"foot = "box", "#, "");
-    let robot = Robot::from_toml(&text, "box.toml").expect("a robot with four feet");
+    let robot = Robot::from_toml(BOX_IN_SPACE, "box.toml").expect("a robot with four feet");
     let loaded = scenario_file::load("exo-sway", &["controller.kind=hold".to_owned()]).expect("built in");
     let error = episode::run(&loaded.scenario, &robot, &[], |_| false).expect_err("it has four feet");
     assert_eq!(error.to_string(), "model: found a robot with 4 feet; valid is one with two, right before left");

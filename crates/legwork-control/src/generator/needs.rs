@@ -1,7 +1,7 @@
 //! What each generator needs of a robot.
 
 use legwork_contract::error::Error;
-use legwork_contract::feet::{Sole, from_joint};
+use legwork_contract::feet::{Sole, from_joints};
 use legwork_contract::robot::Robot;
 use legwork_rbd::Base;
 
@@ -19,8 +19,7 @@ fn has_ankles(model: &Robot) -> bool {
 /// What is wrong with the soles on which the walker is to stand: each is level, below its ankle, and the other's like.
 fn uneven_soles(model: &Robot) -> Option<String> {
     let sole = Sole::of(model);
-    for (point, contact) in model.contacts.iter().enumerate() {
-        let place = from_joint(model, point);
+    for (contact, place) in model.contacts.iter().zip(from_joints(model)) {
         let [x, z] = [place.x, place.z];
         if z >= 0.0 || (z + sole.ankle).abs() > LEVEL_M {
             return Some(format!(

@@ -57,7 +57,7 @@ pub(crate) fn figures(run: &Run) -> Vec<Figure> {
         figures.push(figure("tracking-y", "Tracking sideways", caption, charts.tracking(1)));
     }
     let balance = Balance::new(run, &charts.times);
-    let is_planned = charts.has(Field::ComReference);
+    let is_planned = run.log.has(Field::ComReference);
     figures.extend([
         figure(
             "tracking-z",
@@ -96,7 +96,7 @@ pub(crate) fn figures(run: &Run) -> Vec<Figure> {
     }
     let words = "Counter-clockwise from upright: leaning forward is negative.";
     figures.push(figure("torso", "Torso angle", words, charts.torso()));
-    if charts.has(Field::ActiveLimit) {
+    if run.log.has(Field::ActiveLimit) {
         figures.push(figure(
             "limits",
             "Limits and slack",
@@ -181,14 +181,9 @@ impl<'a> Charts<'a> {
         Chart { over_time: true, ..Chart::new(vec![Stack { title: String::new(), x, parts }], (0.0, 1)) }
     }
 
-    /// Whether the log has `field`: not every controller and physics gives all.
-    fn has(&self, field: Field) -> bool {
-        !self.run.log.range(field).is_empty()
-    }
-
     /// What the generator does with what the figure of the tracking shows; nothing where there is none.
     fn words(&self, generator: GeneratorKind) -> &'static str {
-        if self.has(Field::ComReference) { tracking(generator) } else { "" }
+        if self.run.log.has(Field::ComReference) { tracking(generator) } else { "" }
     }
 
     /// Values of the column at `offset` in `field`, times `factor`, as a line, where the log has them.
@@ -313,7 +308,7 @@ impl<'a> Charts<'a> {
         let mut axes = vec![(d - 1, "vertical", 200.0), (0, "along x", 150.0)];
         axes.extend((d == 3).then_some((1, "to the left", 150.0)));
         let parts = axes.into_iter().map(|(axis, label, height)| {
-            let feet = |field: Field| model.feet.iter().enumerate().filter(move |_| self.has(field));
+            let feet = |field: Field| model.feet.iter().enumerate().filter(move |_| self.run.log.has(field));
             let simulated = feet(Field::GrfSimulated).map(|(foot, name)| {
                 let class = format!("{} thin", side(name));
                 line(
@@ -343,7 +338,7 @@ impl<'a> Charts<'a> {
         } else {
             String::new()
         };
-        let lines = match (self.has(Field::Grf), self.has(Field::GrfSimulated)) {
+        let lines = match (self.run.log.has(Field::Grf), self.run.log.has(Field::GrfSimulated)) {
             (true, true) => format!("Thick: in the program. Thin: in the simulator, whose impacts are cut off{cut}."),
             (true, false) => "They are those of the program.".to_owned(),
             (false, _) => "They are those of the simulator.".to_owned(),

@@ -98,7 +98,7 @@ fn slack(run: &Run, times: &[f64]) -> Vec<Part> {
         line(label, class, times, (0..run.log.len()).map(size))
     };
     let mut parts: Vec<((&str, String), Vec<Layer>)> = Vec::new();
-    let tasks = run.tasks.iter().filter(|_| !run.log.range(Field::Slack).is_empty());
+    let tasks = run.tasks.iter().filter(|_| run.log.has(Field::Slack));
     for (part, rows) in tasks.flat_map(|task| task.parts()) {
         let line = match part.of.as_str() {
             "" => norm("slack", "", rows),

@@ -59,7 +59,7 @@ const RUNS_WITH_SECTIONS: usize = 3;
 
 /// The sections of a run, as anchors and headings, but for those that its log has nothing for.
 fn sections(run: &Run) -> impl Iterator<Item = (&'static str, &'static str)> {
-    let [no_forces, no_limits] = [stick::forces_of(run).is_none(), run.log.range(Field::ActiveLimit).is_empty()];
+    let [no_forces, no_limits] = [stick::forces_of(run).is_none(), !run.log.has(Field::ActiveLimit)];
     let all = [
         ("motion", "Motion"),
         ("figures", if tables::is_published(run) { "Beside the thesis" } else { "Measured" }),

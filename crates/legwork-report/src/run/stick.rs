@@ -136,7 +136,7 @@ fn marks_of(run: &Run) -> impl DoubleEndedIterator<Item = &'static Mark> {
 /// the physics.
 pub(super) fn forces_of(run: &Run) -> Option<(Field, &'static str)> {
     let known = [(Field::Grf, "program"), (Field::GrfSimulated, "physics")];
-    known.into_iter().find(|(field, _)| !run.log.range(*field).is_empty())
+    known.into_iter().find(|(field, _)| run.log.has(*field))
 }
 
 /// Everything that is drawn of a moment.

@@ -74,7 +74,7 @@ pub fn diagnose(scenario: &Scenario, model: &Robot, fall: &Fall, log: &Log, told
     };
     let the_fall = Event { time: fall.time, what: What::Fell };
     // A controller or a physics of another kind may not tell what the rules ask for.
-    if log.is_empty() || NEEDED.iter().any(|field| log.range(*field).is_empty()) {
+    if log.is_empty() || NEEDED.iter().any(|field| !log.has(*field)) {
         return Diagnosis { cause: FirstCause::Unexplained, events: vec![the_fall], sentence: super::sentence(fall) };
     }
     let evidence = Evidence::new(scenario, model, log, told);
