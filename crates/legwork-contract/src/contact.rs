@@ -70,21 +70,44 @@ impl Surface {
     pub fn directions(&self) -> impl Iterator<Item = &Vector3<f64>> {
         self.tangents().iter().chain([&self.normal])
     }
-
-    /// Row `index` of `Q_c` for one contact (4.16), as a vector in the world that is multiplied with the force and
-    /// must not be positive: first the normal, then each tangent in both directions (a pyramid in space).
-    #[inline]
-    pub fn friction_row(&self, index: usize) -> Vector3<f64> {
-        if index == 0 {
-            return -self.normal;
-        }
-        let tangent = self.tangents[(index - 1) / 2];
-        let sign = if index % 2 == 1 { 1.0 } else { -1.0 };
-        sign * tangent - self.friction * self.normal
-    }
 }
 
-/// Number of rows that [`Surface::friction_row`] has a contact of `model`.
-pub fn friction_rows(model: &Model) -> usize {
-    2 * model.linear_axes().len() - 1
+/// The cone of friction as inequalities, the rows of `Q_c` for one contact (4.16). In the plane they are the cone. In space they are a
+/// pyramid inside the cone, with edges on it: what it allows the ground can give.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pyramid {
+    /// The direction of each side along the tangents, and how much of the friction it allows.
+    sides: Vec<([f64; 2], f64)>,
+}
+
+impl Pyramid {
+    /// That of `model`; in space of so many `edges`, the first along the first tangent.
+    pub fn new(model: &Model, edges: usize) -> Self {
+        if model.is_planar() {
+            return Self { sides: vec![([1.0, 0.0], 1.0), ([-1.0, 0.0], 1.0)] };
+        }
+        let half = std::f64::consts::PI / edges as f64;
+        let side = |k: usize| {
+            let (across, along) = libm::sincos((2 * k + 1) as f64 * half);
+            ([along, across], libm::cos(half))
+        };
+        Self { sides: (0..edges).map(side).collect() }
+    }
+
+    /// Number of rows: the normal's, then one for each side.
+    pub fn rows(&self) -> usize {
+        1 + self.sides.len()
+    }
+
+    /// Row `index` on a piece of ground, as a vector in the world that is multiplied with the force and must not be positive.
+    #[inline]
+    pub fn row(&self, ground: &Surface, index: usize) -> Vector3<f64> {
+        let Some(side) = index.checked_sub(1) else { return -ground.normal };
+        let (along, share) = &self.sides[side];
+        let mut row = -(share * ground.friction) * ground.normal;
+        for (tangent, value) in ground.tangents().iter().zip(along) {
+            row += *value * tangent;
+        }
+        row
+    }
 }

@@ -68,6 +68,25 @@ impl Plane {
     }
 }
 
+/// A straight piece of the ground between two places along x; straight along y too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// Where it begins and ends along x [m].
+    pub ends: [f64; 2],
+    /// Its height along x, at y = 0.
+    pub line: Line,
+    /// Unit normal, out of the ground.
+    pub normal: Vector3<f64>,
+}
+
+impl Piece {
+    /// Distance of `point` from it or from its continuation, along its normal [m]; negative inside.
+    #[inline]
+    pub fn gap(&self, point: &Vector3<f64>) -> f64 {
+        self.normal.dot(&Vector3::new(point.x - self.line.x, point.y, point.z - self.line.z))
+    }
+}
+
 /// Ground: an inclined plane through the origin with Coulomb friction, and what differs from it; see
 /// [`Terrain`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -128,6 +147,8 @@ impl Default for Ground {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Terrain {
     plane: Surface,
+    /// The plane as a piece of ground.
+    whole: Piece,
     relief: Relief,
     /// `[from, to, friction]`
     patches: Vec<[f64; 3]>,
@@ -148,7 +169,10 @@ struct Relief {
 impl Terrain {
     /// A plane through the world's origin as `model` meets it; `slopes` upward in x and in y [rad].
     pub fn plane(model: &Model, friction: f64, slopes: [f64; 2]) -> Self {
-        Self { plane: Surface::new(model, friction, slopes), relief: Relief::default(), patches: Vec::new() }
+        let plane = Surface::new(model, friction, slopes);
+        let line = Line { steepness: plane.steepness()[0], ..Line::default() };
+        let whole = Piece { ends: [f64::NEG_INFINITY, f64::INFINITY], line, normal: plane.normal };
+        Self { plane, whole, relief: Relief::default(), patches: Vec::new() }
     }
 
     /// The true ground, as `model` meets it; `seed` is that of its unevenness.
@@ -178,7 +202,7 @@ impl Terrain {
         if !ground.relief_known {
             return plane;
         }
-        Self { plane: plane.plane, ..Self::of(ground, seed, model) }
+        Self { plane: plane.plane, whole: plane.whole, ..Self::of(ground, seed, model) }
     }
 
     /// Its plane.
@@ -244,11 +268,96 @@ impl Terrain {
         (self.height_at(to, 0.0) - self.height_at(from, 0.0)) / (to - from)
     }
 
-    /// Distance of `point` from the ground below it, along the normal of the ground's plane [m]; negative inside.
+    /// Distance of `point` from the straight piece of ground below it, along the normal of that piece [m]; negative inside.
     #[inline]
     pub fn gap(&self, point: &Vector3<f64>) -> f64 {
-        let gap = self.plane.normal.dot(point);
-        if self.is_even() { gap } else { gap - self.plane.normal.z * self.relief.at(point.x)[0] }
+        if self.is_even() { self.plane.normal.dot(point) } else { self.piece_at(point.x).gap(point) }
+    }
+
+    /// The straight piece of ground below or above `x` [m].
+    fn piece_at(&self, x: f64) -> Piece {
+        let stretch = self.relief.stretch(x);
+        let [along, across] = self.plane.steepness();
+        let slope = [along + stretch.steepness, across];
+        let line = Line { x, z: self.height_at(x, 0.0), steepness: slope[0] };
+        let length = libm::sqrt(1.0 + slope[0] * slope[0] + slope[1] * slope[1]);
+        Piece { ends: stretch.ends, line, normal: Vector3::new(-slope[0], -slope[1], 1.0) / length }
+    }
+
+    /// The pieces of ground that `point` may meet [m]: the one below it, and where the ground rises from that to a neighbour
+    /// that has the point beside it, the nearer such neighbour.
+    pub fn pieces_near(&self, point: &Vector3<f64>) -> [Option<Piece>; 2] {
+        if self.is_even() {
+            return [Some(self.whole), None];
+        }
+        let below = self.piece_at(point.x);
+        let beside = |end: usize| {
+            let knot = below.ends[end];
+            if !knot.is_finite() {
+                return None;
+            }
+            let other = self.piece_at(if end == 0 { knot.next_down() } else { knot });
+            // In a hollow both pieces bound the point; beyond the far end of its neighbour it passes over that.
+            let bend = other.line.steepness - below.line.steepness;
+            let hollow = if end == 0 { bend < 0.0 } else { bend > 0.0 };
+            let foot = point.x - other.gap(point) * other.normal.x;
+            let reached = if end == 0 { foot >= other.ends[0] } else { foot <= other.ends[1] };
+            (hollow && reached).then_some(other)
+        };
+        let nearer = |a: &Piece, b: &Piece| a.gap(point).total_cmp(&b.gap(point));
+        [Some(below), [beside(0), beside(1)].into_iter().flatten().min_by(nearer)]
+    }
+
+    /// When a point that is at `point` [m] and moves with `velocity` [m/s] first goes through a piece of ground that is not
+    /// among `known`, within `time` [s] and faster than `slow` across it [m/s]. Zero where it is inside already.
+    pub fn landing(
+        &self,
+        point: &Vector3<f64>,
+        velocity: &Vector3<f64>,
+        time: f64,
+        slow: f64,
+        known: impl Fn(&Piece) -> bool,
+    ) -> Option<f64> {
+        let meets = |piece: &Piece| {
+            let speed = -piece.normal.dot(velocity);
+            if speed <= slow {
+                return None;
+            }
+            let at = piece.gap(point).max(0.0) / speed;
+            (at < time && !known(piece)).then_some(at)
+        };
+        if self.is_even() {
+            return meets(&self.whole);
+        }
+        // From piece to piece along the way.
+        let mut piece = self.piece_at(point.x);
+        loop {
+            let leaves = if velocity.x > 0.0 {
+                (piece.ends[1] - point.x) / velocity.x
+            } else if velocity.x < 0.0 {
+                (piece.ends[0] - point.x) / velocity.x
+            } else {
+                f64::INFINITY
+            };
+            if let Some(at) = meets(&piece).filter(|&at| at <= leaves) {
+                return Some(at);
+            }
+            if leaves >= time {
+                return None;
+            }
+            let end = piece.ends[usize::from(velocity.x > 0.0)];
+            piece = self.piece_at(if velocity.x > 0.0 { end } else { end.next_down() });
+        }
+    }
+
+    /// What a contact point at `point` [m] meets on `piece`.
+    pub fn surface(&self, piece: &Piece, point: &Vector3<f64>) -> Surface {
+        let mut surface = self.plane;
+        if !self.is_even() {
+            surface = surface.inclined(libm::atan(piece.line.steepness));
+        }
+        surface.friction = self.friction_at(point.x, point.y);
+        surface
     }
 
     /// The plane through the ground at `(x, y)` [m], inclined as the ground's plane is.
@@ -290,27 +399,60 @@ impl Terrain {
     }
 }
 
+/// Heights above the plane between two places along x.
+struct Stretch {
+    ends: [f64; 2],
+    /// At the place that was asked for [m].
+    height: f64,
+    steepness: f64,
+}
+
+impl Stretch {
+    /// Adds heights that are linear between two points.
+    fn add(&mut self, x: f64, [from, low]: [f64; 2], [to, high]: [f64; 2]) {
+        let steepness = (high - low) / (to - from);
+        self.height += low + steepness * (x - from);
+        self.steepness += steepness;
+        self.ends = [self.ends[0].max(from), self.ends[1].min(to)];
+    }
+}
+
 impl Relief {
     /// Height and steepness at `x`.
     fn at(&self, x: f64) -> [f64; 2] {
-        let mut sum = [0.0; 2];
-        let mut add = |[from, low]: [f64; 2], [to, high]: [f64; 2]| {
-            let steepness = (high - low) / (to - from);
-            sum = [sum[0] + low + steepness * (x - from), sum[1] + steepness];
-        };
-        let after = self.profile.iter().position(|knot| knot[0] > x);
-        match (after, self.profile.first(), self.profile.last()) {
-            (Some(0), Some(first), _) => add([x, first[1]], [x + 1.0, first[1]]),
-            (Some(after), ..) => add(self.profile[after - 1], self.profile[after]),
-            (None, _, Some(last)) => add([x, last[1]], [x + 1.0, last[1]]),
-            (None, ..) => {}
+        let Stretch { height, steepness, .. } = self.stretch(x);
+        [height, steepness]
+    }
+
+    /// The straight piece at `x`: that after a knot, at the knot.
+    fn stretch(&self, x: f64) -> Stretch {
+        let mut stretch = Stretch { ends: [f64::NEG_INFINITY, f64::INFINITY], height: 0.0, steepness: 0.0 };
+        if let (Some(first), Some(last)) = (self.profile.first(), self.profile.last()) {
+            match self.profile.partition_point(|knot| knot[0] <= x) {
+                0 => (stretch.height, stretch.ends[1]) = (first[1], first[0]),
+                after if after == self.profile.len() => (stretch.height, stretch.ends[0]) = (last[1], last[0]),
+                after => stretch.add(x, self.profile[after - 1], self.profile[after]),
+            }
         }
-        if self.unevenness > 0.0 && x >= self.from {
-            let index = ((x - self.from) / self.spacing).floor();
-            let knot = |index: f64| [self.from + index * self.spacing, self.random(index)];
-            add(knot(index), knot(index + 1.0));
+        if self.unevenness > 0.0 {
+            if x < self.from {
+                stretch.ends[1] = stretch.ends[1].min(self.from);
+            } else {
+                let index = ((x - self.from) / self.spacing).floor();
+                let place = |index: f64| self.from + index * self.spacing;
+                // Rounding may put a knot on either side of itself.
+                let index = if x < place(index) {
+                    index - 1.0
+                } else if x >= place(index + 1.0) {
+                    index + 1.0
+                } else {
+                    index
+                };
+                let knot = |index: f64| [place(index), self.random(index)];
+                stretch.add(x, knot(index), knot(index + 1.0));
+            }
         }
-        sum
+        stretch
     }
 
     /// Height of a knot, none of the first: evenly distributed, a pure function of seed and index.

@@ -84,6 +84,20 @@ impl Dof {
     }
 }
 
+impl Dof {
+    /// Its range [rad or m]; where one end is missing half a turn, or a metre, from the other. None where both are missing.
+    #[must_use]
+    pub fn usual_range(&self) -> Option<[f64; 2]> {
+        let reach = if self.rotational { std::f64::consts::PI } else { 1.0 };
+        match (self.lower.is_finite(), self.upper.is_finite()) {
+            (true, true) => Some([self.lower, self.upper]),
+            (true, false) => Some([self.lower, self.lower + reach]),
+            (false, true) => Some([self.upper - reach, self.upper]),
+            (false, false) => None,
+        }
+    }
+}
+
 /// A point of a body that may touch the ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactPoint {

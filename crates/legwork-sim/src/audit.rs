@@ -10,6 +10,9 @@ use super::contact_solver::Report;
 use legwork_contract::contact::Surface;
 use legwork_contract::terrain::Terrain;
 
+/// Slower contact points [m/s], and those with less friction [N], have no direction.
+const SLIPS: f64 = 1e-3;
+
 /// Figures of a run so far, each the worst or the sum over all steps.
 #[derive(Clone, Debug, Default)]
 pub struct Audit {
@@ -19,12 +22,16 @@ pub struct Audit {
     pub work_j: f64,
     /// Energy that contacts took away [J]: impacts and slip.
     pub contact_loss_j: f64,
+    /// Energy that contacts gave at most [J]: the largest rise of their work above the least that it was before.
+    pub contact_gain_j: f64,
     /// Largest difference between the change of linear momentum and the impulses, as velocity of the CoM [m/s].
     pub momentum_error_mps: f64,
     /// Deepest penetration of a contact point [m].
     pub penetration_m: f64,
     /// Largest excess of a tangential force over friction times normal force [N].
     pub friction_excess_n: f64,
+    /// Largest angle between the friction of a slipping contact point and the direction against its slip [deg].
+    pub friction_angle_deg: f64,
     /// Strongest pull of the ground on a contact [N]: zero if the ground only pushes.
     pub pull_n: f64,
     /// Way that loaded contact points slipped [m], all together.
@@ -40,6 +47,8 @@ pub struct Audit {
     mass: f64,
     energy_at_start: f64,
     work: f64,
+    /// The least of the sum of the contacts' work [J].
+    least_contact_work: f64,
     com_velocity_at_start: Vector3<f64>,
     impulse: Vector3<f64>,
 }
@@ -63,8 +72,6 @@ pub struct Step<'a> {
     pub push: Vector3<f64>,
     /// Generalized force of the pushes.
     pub push_force: &'a [f64],
-    /// What the contact solver said.
-    pub report: Report,
 }
 
 impl Audit {
@@ -87,26 +94,37 @@ impl Audit {
         self.enter((0..before.len()).map(|j| dt * step.push_force[j] * mean(j)).sum());
         self.enter((0..before.len()).map(|j| -dt * step.damping[j] * mean(j)).sum());
         self.impulse += step.push * dt - Vector3::z() * (self.mass * step.gravity * dt);
-        self.contact_sweeps = self.contact_sweeps.max(step.report.sweeps);
-        self.contact_residual_n = self.contact_residual_n.max(step.report.residual / dt);
     }
 
-    /// Enters one contact of a step of `dt` [s]: its impulse [Ns] and its velocities before and after [m/s], all in
-    /// contact coordinates. Returns its work, which is for [`Audit::contact_work`].
+    /// Enters what the contact solver said in a step of `period` [s].
+    pub(super) fn solve(&mut self, report: Report, period: f64) {
+        self.contact_sweeps = self.contact_sweeps.max(report.sweeps);
+        self.contact_residual_n = self.contact_residual_n.max(report.residual / period);
+    }
+
+    /// Enters one contact of a change of velocity in a step of `dt` [s], which it takes `time` [s] of: its impulse [Ns], its velocities before and after, and the velocity that it
+    /// ends with if it moves on as it does [m/s], all in contact coordinates. Returns its work, which is for [`Audit::contact_work`].
     #[inline]
     pub(super) fn contact<const D: usize>(
         &mut self,
         ground: &Surface,
-        dt: f64,
+        [dt, time]: [f64; 2],
         impulse: &[f64; D],
         [before, after]: [&[f64; D]; 2],
+        motion: &[f64; D],
     ) -> f64 {
         let normal = impulse[D - 1];
         let norm = |vector: &[f64; D]| vector[..D - 1].iter().map(|value| value * value).sum::<f64>().sqrt();
         self.friction_excess_n = self.friction_excess_n.max((norm(impulse) - ground.friction * normal) / dt);
         self.pull_n = self.pull_n.max(-normal / dt);
+        let speed = norm(motion);
         if normal > 0.0 {
-            self.slip_m += dt * norm(after);
+            self.slip_m += time * speed;
+        }
+        if D == 3 && speed > SLIPS && norm(impulse) > SLIPS * dt {
+            let along: f64 = (0..D - 1).map(|i| -impulse[i] * motion[i]).sum();
+            let across = impulse[0] * motion[1] - impulse[1] * motion[0];
+            self.friction_angle_deg = self.friction_angle_deg.max(libm::atan2(across.abs(), along).to_degrees());
         }
         for (direction, impulse) in ground.directions().zip(impulse) {
             self.impulse += *direction * *impulse;
@@ -118,6 +136,8 @@ impl Audit {
     pub(super) fn contact_work(&mut self, work: f64) {
         self.enter(work);
         self.contact_loss_j -= work;
+        self.least_contact_work = self.least_contact_work.min(-self.contact_loss_j);
+        self.contact_gain_j = self.contact_gain_j.max(-self.contact_loss_j - self.least_contact_work);
     }
 
     /// Enters how stiff the springs and stops are that act in a step, as a share of what is stable.
@@ -147,20 +167,43 @@ impl Audit {
     /// They hold for rigid contact at time steps of up to 1 ms (see docs/simulator.md); a coarser step or a soft ground
     /// shows here.
     pub fn violations(&self) -> Vec<String> {
-        let mut found = Vec::new();
-        let mut check = |what: &str, value: f64, bound: f64, unit: &str| {
-            if value.is_nan() || value > bound {
-                found.push(format!("{what}: {value:.3e} {unit}, more than {bound:.3e} {unit}"));
-            }
-        };
-        check("energy differs from the work done", self.energy_error_j, 1.0 + 0.02 * self.work_j, "J");
-        check("momentum differs from the impulses", self.momentum_error_mps, 0.1, "m/s");
-        check("penetration of the ground", self.penetration_m, 1e-3, "m");
-        check("tangential force over the friction cone", self.friction_excess_n, 1e-3, "N");
-        check("pull of the ground", self.pull_n, 1e-6, "N");
-        check("residual of the contact solver", self.contact_residual_n, 1e-3, "N");
-        check("stiffness of springs and stops for the time step", self.stiffness_share, 0.25, "of the stable");
-        found
+        let finer = "a smaller simulation.period_s follows the motion better";
+        let work = self.work_j;
+        let checks = [
+            ("energy differs from the work done", self.energy_error_j, 1.0 + 0.02 * work, "J", finer),
+            ("energy given by contacts", self.contact_gain_j, 0.1 + 1e-3 * work, "J", finer),
+            ("momentum differs from the impulses", self.momentum_error_mps, 0.1, "m/s", finer),
+            (
+                "penetration of the ground",
+                self.penetration_m,
+                1e-3,
+                "m",
+                "a smaller simulation.period_s or a stiffer ground helps",
+            ),
+            ("tangential force over the friction cone", self.friction_excess_n, 1e-3, "N", finer),
+            ("friction is not opposite to the slip", self.friction_angle_deg, 0.1, "deg", finer),
+            ("pull of the ground", self.pull_n, 1e-6, "N", finer),
+            (
+                "residual of the contact solver",
+                self.contact_residual_n,
+                0.1,
+                "N",
+                "a larger simulation.contact.max_sweeps or a smaller simulation.period_s may find the forces",
+            ),
+            (
+                "stiffness of springs and stops for the time step",
+                self.stiffness_share,
+                0.25,
+                "of the stable",
+                "softer springs or a smaller simulation.period_s resolve them",
+            ),
+        ];
+        let broken = checks.into_iter().filter(|(_, value, bound, ..)| value.is_nan() || value > bound);
+        broken
+            .map(|(what, value, bound, unit, help)| {
+                format!("{what}: {value:.3e} {unit}, more than {bound:.3e} {unit}; {help}")
+            })
+            .collect()
     }
 }
 

@@ -1,30 +1,25 @@
-//! Rigid contact with Coulomb friction by a per-contact iteration. Thesis Appendix A; Hwangbo, Lee and Hutter 2018.
-//!
-//! Contacts are visited in turn; each is solved exactly, given the impulses of the others, until no impulse changes
-//! any more. The iteration begins with the impulses of the step before.
+//! Rigid contact with Coulomb friction.
 //!
 //! Contact points are fixed to feet, and a foot is rigid: contacts act on each other only through the feet's twists. A
 //! twist has K coordinates at a point of the foot, the D linear ones along the contact directions (tangents, normal),
 //! then the angular ones about the same axes (in the plane the one about y). Impulses on a foot are wrenches in the dual
 //! coordinates.
+//!
+//! All contacts are solved together, see [`Simultaneous`].
 
-use crate::contact_law::{in_cone, inverse, slip};
 use crate::settings::ContactSettings;
 use crate::simultaneous::Simultaneous;
-
-/// After this sweep, and after twice as many and so on, all contacts are solved together where that is not done first.
-const FIRST_WALK: u32 = 3;
 
 /// Outcome of one solve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Report {
-    /// Sweeps over all contacts.
+    /// Linear solves for all contacts together.
     pub sweeps: u32,
-    /// Largest change of an impulse's component in the last sweep [Ns].
+    /// By how much an impulse's component misses the law at most [Ns].
     pub residual: f64,
 }
 
-/// A contact point in a step.
+/// A contact point in a step, where it may touch a piece of ground.
 #[derive(Clone, Debug)]
 pub(super) struct Point<const D: usize, const K: usize> {
     /// Its foot, in the order of [`ContactSolver::free`].
@@ -36,21 +31,18 @@ pub(super) struct Point<const D: usize, const K: usize> {
     pub(super) turn: Option<[f64; 2]>,
     /// From the foot's point of reference [m].
     pub(super) arm: [f64; D],
-    /// Lowest normal velocity allowed [m/s]: negative while there is a gap left.
-    pub(super) approach: f64,
+    /// The velocity at which it neither slips nor opens [m/s]: the law is that of the velocity above it.
+    pub(super) target: [f64; D],
     /// λ [Ns]; also the first guess.
     pub(super) impulse: [f64; D],
-    /// Twist of the foot for unit impulses, by columns.
-    response: [[f64; K]; D],
-    /// Velocity of the point for unit impulses, G of the contact [1/kg], and its inverse.
-    block: [[f64; D]; D],
-    inverse: [[f64; D]; D],
+    /// Normal velocity for a unit normal impulse [1/kg].
+    gain: f64,
 }
 
 /// A contact problem and its solution, all preallocated.
 #[derive(Clone, Debug)]
 pub(super) struct ContactSolver<const D: usize, const K: usize> {
-    /// The contact points.
+    /// The contact points that may touch.
     pub(super) points: Vec<Point<D, K>>,
     /// Twist of foot a for unit wrenches on foot b, block a · feet + b, each symmetric to its mirror.
     pub(super) coupling: Vec<[[f64; K]; K]>,
@@ -58,14 +50,19 @@ pub(super) struct ContactSolver<const D: usize, const K: usize> {
     pub(super) free: Vec<[f64; K]>,
     /// Twists of the feet with them.
     pub(super) twist: Vec<[f64; K]>,
-    /// Wrenches of the impulses on the feet, as of the latest [`ContactSolver::load`] or [`ContactSolver::sum`].
+    /// Wrenches of the impulses on the feet, as of the latest [`ContactSolver::load`].
     pub(super) total: Vec<[f64; K]>,
 }
 
 impl<const D: usize, const K: usize> Point<D, K> {
+    /// A point at `arm` [m] of `foot`.
+    pub(super) fn new(foot: usize, arm: [f64; D], friction: f64) -> Self {
+        Self { foot, friction, turn: None, arm, target: [0.0; D], impulse: [0.0; D], gain: 0.0 }
+    }
+
     /// Normal velocity for a unit normal impulse [1/kg].
     pub(super) fn normal_gain(&self) -> f64 {
-        self.block[D - 1][D - 1]
+        self.gain
     }
 
     /// Its velocity where the foot's is `twist`.
@@ -79,6 +76,13 @@ impl<const D: usize, const K: usize> Point<D, K> {
         velocity
     }
 
+    /// Its velocity above the target.
+    #[inline]
+    pub(super) fn motion(&self, twist: &[f64; K]) -> [f64; D] {
+        let velocity = self.velocity(twist);
+        std::array::from_fn(|i| velocity[i] - self.target[i])
+    }
+
     /// The wrench of an impulse on it: the transpose of [`Point::velocity`].
     #[inline]
     pub(super) fn wrench(&self, impulse: &[f64; D]) -> [f64; K] {
@@ -87,6 +91,20 @@ impl<const D: usize, const K: usize> Point<D, K> {
         let mut turned = *impulse;
         (turned[0], turned[D - 1]) = (cos * tangent - sin * normal, cos * normal + sin * tangent);
         wrench(&turned, &self.arm)
+    }
+
+    /// By how much its impulse misses the law where the foot's twist is `twist` [Ns]: how far a step against the velocity that
+    /// stays in the cone moves it.
+    fn residual(&self, twist: &[f64; K]) -> f64 {
+        let (motion, n) = (self.motion(twist), D - 1);
+        let mut next: [f64; D] = std::array::from_fn(|i| self.impulse[i] - motion[i] / self.gain);
+        next[n] = next[n].max(0.0);
+        let limit = self.friction * self.impulse[n].max(0.0);
+        let tangent = next[..n].iter().map(|value| value * value).sum::<f64>().sqrt();
+        if tangent > limit {
+            next[..n].iter_mut().for_each(|value| *value *= limit / tangent);
+        }
+        (0..D).map(|i| (next[i] - self.impulse[i]).abs()).fold(0.0, f64::max)
     }
 }
 
@@ -134,21 +152,10 @@ fn add_product<const K: usize>(b: &[[f64; K]; K], x: &[f64; K], out: &mut [f64; 
 }
 
 impl<const D: usize, const K: usize> ContactSolver<D, K> {
-    /// Storage for contact points, each with its foot, on `feet` feet.
-    pub(super) fn new(foot_of_point: &[usize], feet: usize) -> Self {
-        let point = |&foot: &usize| Point {
-            foot,
-            friction: 0.0,
-            turn: None,
-            arm: [0.0; D],
-            approach: 0.0,
-            impulse: [0.0; D],
-            response: [[0.0; K]; D],
-            block: [[0.0; D]; D],
-            inverse: [[0.0; D]; D],
-        };
+    /// Storage for so many points on `feet` feet.
+    pub(super) fn new(points: usize, feet: usize) -> Self {
         Self {
-            points: foot_of_point.iter().map(point).collect(),
+            points: Vec::with_capacity(points),
             coupling: vec![[[0.0; K]; K]; feet * feet],
             free: vec![[0.0; K]; feet],
             twist: vec![[0.0; K]; feet],
@@ -160,31 +167,16 @@ impl<const D: usize, const K: usize> ContactSolver<D, K> {
     pub(super) fn prepare(&mut self) {
         let feet = self.free.len();
         for point in &mut self.points {
-            let own = &self.coupling[point.foot * (feet + 1)];
-            for k in 0..D {
-                let mut direction = [0.0; D];
-                direction[k] = 1.0;
-                let force = point.wrench(&direction);
-                let mut twist = [0.0; K];
-                if point.turn.is_some() {
-                    add_product(own, &force, &mut twist);
-                } else {
-                    twist = own[k];
-                    for j in D..K {
-                        for i in 0..K {
-                            twist[i] += own[j][i] * force[j];
-                        }
-                    }
-                }
-                point.response[k] = twist;
-                point.block[k] = point.velocity(&twist);
-            }
-            point.inverse = inverse(&point.block);
+            let mut normal = [0.0; D];
+            normal[D - 1] = 1.0;
+            let mut twist = [0.0; K];
+            add_product(&self.coupling[point.foot * (feet + 1)], &point.wrench(&normal), &mut twist);
+            point.gain = point.velocity(&twist)[D - 1];
         }
     }
 
-    /// Adds the impulses up to the wrenches on the feet.
-    pub(super) fn sum(&mut self) {
+    /// `total` of the impulses, and `twist = free + B total`.
+    pub(super) fn load(&mut self) {
         self.total.fill([0.0; K]);
         for point in &self.points {
             let wrench = point.wrench(&point.impulse);
@@ -193,92 +185,40 @@ impl<const D: usize, const K: usize> ContactSolver<D, K> {
                 total[i] += wrench[i];
             }
         }
-    }
-
-    /// `twist = free + B total`
-    pub(super) fn load(&mut self) {
-        self.sum();
-        self.twist.copy_from_slice(&self.free);
-        let feet = self.free.len();
-        for (total, blocks) in self.total.iter().zip(self.coupling.chunks_exact(feet.max(1))) {
-            for (twist, block) in self.twist.iter_mut().zip(blocks) {
-                add_product(block, total, twist);
-            }
+        for foot in 0..self.free.len() {
+            let response = self.response(foot, &self.total);
+            self.twist[foot] = std::array::from_fn(|i| self.free[foot][i] + response[i]);
         }
     }
 
-    /// Solves for the points' impulses, beginning with those that they have;
-    /// stops when no impulse changes by more than `tolerance` [Ns] in a sweep over all contacts.
+    /// The change of a foot's twist for `wrenches` on the feet: its row of B.
+    #[inline]
+    pub(super) fn response(&self, foot: usize, wrenches: &[[f64; K]]) -> [f64; K] {
+        let mut out = [0.0; K];
+        for (wrench, blocks) in wrenches.iter().zip(self.coupling.chunks_exact(wrenches.len())) {
+            add_product(&blocks[foot], wrench, &mut out);
+        }
+        out
+    }
+
+    /// By how much an impulse's component misses the law at most [Ns], as of the latest twists.
+    pub(super) fn residual(&self) -> f64 {
+        self.points.iter().map(|point| point.residual(&self.twist[point.foot])).fold(0.0, f64::max)
+    }
+
+    /// Solves for the points' impulses until none misses the law by more than `tolerance` [Ns], with those that they have as a
+    /// first guess of which slip and which stick.
     pub(super) fn solve(
         &mut self,
         together: &mut Simultaneous<D, K>,
         tolerance: f64,
         settings: &ContactSettings,
     ) -> Report {
-        self.load();
-        // Where each foot has one contact visits converge fast; without a first guess they are even-handed.
-        let several = self.points.len() > self.free.len();
-        let guessed = self.points.iter().any(|point| point.impulse[D - 1] > 0.0);
-        let mut walk = if several && guessed { 0 } else { FIRST_WALK };
-        let alpha = if self.points.len() == 1 { 1.0 } else { settings.relaxation };
-        let mut report = Report::default();
-        for sweep in 1..=settings.max_sweeps {
-            // Ever more seldom, so that guesses that lead nowhere cannot keep the visits from converging.
-            if sweep > walk {
-                together.walk(self, tolerance);
-                walk = (2 * walk).max(1);
-            }
-            report = Report { sweeps: sweep, residual: 0.0 };
-            for index in 0..self.points.len() {
-                report.residual = report.residual.max(self.visit(index, alpha));
-            }
-            if report.residual <= tolerance {
-                break;
-            }
+        if self.points.is_empty() {
+            self.load();
+            return Report::default();
         }
-        report
-    }
-
-    /// Solves one contact given the others; returns the largest change.
-    #[inline]
-    fn visit(&mut self, index: usize, alpha: f64) -> f64 {
-        let feet = self.free.len();
-        let point = &mut self.points[index];
-        let (old, friction) = (point.impulse, point.friction);
-        let mut velocity = point.velocity(&self.twist[point.foot]);
-        velocity[D - 1] -= point.approach;
-        // The point's velocity without its own impulse.
-        let c: [f64; D] =
-            std::array::from_fn(|i| velocity[i] - (0..D).map(|j| point.block[i][j] * old[j]).sum::<f64>());
-        let mut solved = [0.0; D];
-        if c[D - 1] <= 0.0 {
-            solved = std::array::from_fn(|i| old[i] - (0..D).map(|j| point.inverse[i][j] * velocity[j]).sum::<f64>());
-            if !in_cone(&solved, friction) {
-                solved = slip(&point.block, &c, friction, &solved, &old);
-            }
-        }
-        let step: [f64; D] = std::array::from_fn(|i| alpha * (solved[i] - old[i]));
-        let change = step.iter().fold(0.0, |largest: f64, value| value.abs().max(largest));
-        if change == 0.0 {
-            return 0.0;
-        }
-        for i in 0..D {
-            point.impulse[i] += step[i];
-        }
-        let wrench = point.wrench(&step);
-        let foot = point.foot;
-        for (other, twist) in self.twist.iter_mut().enumerate() {
-            if other == foot {
-                for (response, step) in point.response.iter().zip(&step) {
-                    for i in 0..K {
-                        twist[i] += response[i] * step;
-                    }
-                }
-            } else {
-                add_product(&self.coupling[foot * feet + other], &wrench, twist);
-            }
-        }
-        change
+        together.solve(self, tolerance, settings)
     }
 }
 
@@ -291,15 +231,14 @@ mod tests {
     #[test]
     fn two_coupled_contacts_converge_to_the_law() {
         let (mass, inertia, half) = (2.0, 0.5, 0.5);
-        let mut solver = ContactSolver::<2, 3>::new(&[0, 0], 1);
+        let mut solver = ContactSolver::<2, 3>::new(2, 1);
+        solver.points = vec![Point::new(0, [-half, -0.1], 0.05), Point::new(0, [half, -0.1], 0.05)];
         solver.coupling[0] = [[1.0 / mass, 0.0, 0.0], [0.0, 1.0 / mass, 0.0], [0.0, 0.0, 1.0 / inertia]];
         solver.free[0] = [0.3, -1.0, 0.0];
-        (solver.points[0].arm, solver.points[1].arm) = ([-half, -0.1], [half, -0.1]);
-        solver.points.iter_mut().for_each(|point| point.friction = 0.05);
         solver.prepare();
         let settings = SimulationSettings::default().contact;
         let report = solver.solve(&mut Simultaneous::new(2, 1), 1e-12, &settings);
-        assert!(report.residual <= 1e-12 && report.sweeps > 1, "{report:?}");
+        assert!(report.residual <= 1e-12 && report.sweeps >= 1, "{report:?}");
         for point in &solver.points {
             let velocity = velocity_at(&solver.twist[0], &point.arm);
             assert!(velocity[1].abs() < 1e-10, "normal velocity {}", velocity[1]);
@@ -312,7 +251,7 @@ mod tests {
 
     /// A box foot of 2 kg under a load that leans: four corners, of which nothing tells how they share it.
     fn loaded_foot() -> ContactSolver<3, 6> {
-        let mut solver = ContactSolver::<3, 6>::new(&[0; 4], 1);
+        let mut solver = ContactSolver::<3, 6>::new(4, 1);
         for (i, gain) in [0.5, 0.5, 0.02, 40.0, 25.0, 50.0].into_iter().enumerate() {
             solver.coupling[0][i][i] = gain;
         }
@@ -320,9 +259,7 @@ mod tests {
         solver.coupling[0][4][0] = 2.0;
         solver.free[0] = [0.02, -0.01, -0.03, 0.05, -0.04, 0.01];
         let corners = [[-0.1, -0.06], [-0.1, 0.06], [0.2, -0.06], [0.2, 0.06]];
-        for (point, [x, y]) in solver.points.iter_mut().zip(corners) {
-            (point.arm, point.friction) = ([x, y, 0.0], 0.7);
-        }
+        solver.points = corners.map(|[x, y]| Point::new(0, [x, y, 0.0], 0.7)).to_vec();
         solver.prepare();
         solver
     }
@@ -361,11 +298,11 @@ mod tests {
         for difference in [1e-9, 1e-7, 1e-5] {
             let mut solver = loaded_foot();
             solver.points.iter_mut().for_each(|point| point.impulse = [0.0, 0.0, 0.1]);
-            (solver.points[0].approach, solver.points[3].approach) = (difference, difference);
+            (solver.points[0].target[2], solver.points[3].target[2]) = (difference, difference);
             let report = solver.solve(&mut Simultaneous::new(4, 1), 1e-12, &settings);
-            assert!(report.residual <= 1e-12 && report.sweeps <= 10, "{difference}: {report:?}");
+            assert!(report.residual <= 1e-12 && report.sweeps <= 20, "{difference}: {report:?}");
             for point in &solver.points {
-                let opening = velocity_at(&solver.twist[0], &point.arm)[2] - point.approach;
+                let opening = velocity_at(&solver.twist[0], &point.arm)[2] - point.target[2];
                 assert!(
                     opening > -1e-10 && (opening * point.impulse[2]).abs() < 1e-10,
                     "{opening} {:?}",
@@ -387,9 +324,8 @@ mod tests {
         let same: f64 = wrench::<2, 3>(&impulse, &arm).iter().zip(&twist).map(|(f, v)| f * v).sum();
         assert!((power - same).abs() < 1e-14);
         // So it is along directions that are turned.
-        let mut solver = ContactSolver::<2, 3>::new(&[0], 1);
-        let point = &mut solver.points[0];
-        (point.arm, point.turn) = (arm, Some([0.8, 0.6]));
+        let mut point = Point::<2, 3>::new(0, arm, 0.5);
+        point.turn = Some([0.8, 0.6]);
         let power: f64 = point.velocity(&twist).iter().zip(&impulse).map(|(v, f)| v * f).sum();
         let same: f64 = point.wrench(&impulse).iter().zip(&twist).map(|(f, v)| f * v).sum();
         assert!((power - same).abs() < 1e-14);

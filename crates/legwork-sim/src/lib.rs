@@ -5,7 +5,6 @@
 pub mod actuators;
 pub mod audit;
 pub mod batch;
-mod contact_law;
 pub mod contact_solver;
 mod elastic;
 pub mod model_error;

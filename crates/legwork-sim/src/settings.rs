@@ -29,13 +29,11 @@ pub struct ContactSettings {
     pub model: ContactModel,
     /// A contact point below this height counts as touching for the controller [m].
     pub flag_height_m: f64,
-    /// Share of a penetration that is undone in a step (rigid).
-    pub penetration_recovery: f64,
-    /// `alpha` of Appendix A (rigid).
+    /// Share by which the ground is raised each time under a contact that slips, where the solver has to do that (rigid).
     pub relaxation: f64,
-    /// Sweeps end when no impulse changes by more than this, as force [N] (rigid).
+    /// By how much an impulse, as force, may miss the law [N] (rigid).
     pub tolerance_n: f64,
-    /// Most sweeps a step (rigid).
+    /// Linear solves after which the impulses are taken that miss the law least (rigid).
     pub max_sweeps: u32,
     /// Normal stiffness [N/m] (spring-damper).
     pub stiffness_npm: f64,
@@ -174,10 +172,9 @@ impl Default for SimulationSettings {
             contact: ContactSettings {
                 model: ContactModel::Rigid,
                 flag_height_m: 0.001,
-                penetration_recovery: 0.2,
                 relaxation: 1.0,
                 tolerance_n: 1e-6,
-                max_sweeps: 100,
+                max_sweeps: 500,
                 stiffness_npm: 1e5,
                 damping_nspm: 1e3,
                 slip_speed_mps: 0.01,

@@ -15,8 +15,14 @@ use crate::contact_solver::Report;
 use crate::elastic::Elastic;
 use crate::plant::{Health, Plant};
 use crate::push::Pushes;
-use crate::settings::{Integrator, Push, SimulationSettings};
-use crate::velocity::VelocityStep;
+use crate::settings::{ContactModel, Integrator, Push, SimulationSettings};
+use crate::velocity::{Moment, VelocityStep};
+
+/// Most impacts in a step.
+const IMPACTS: u32 = 4;
+
+/// Shorter pieces of a step are left out, as a share of it.
+const BRIEF: f64 = 1e-3;
 
 /// The simulated robot and its ground.
 #[derive(Clone, Debug)]
@@ -76,8 +82,13 @@ struct Body {
     force: Vec<f64>,
     push_force: Vec<f64>,
     damping: Vec<f64>,
+    /// What the contact solver said of the latest step: most sweeps, largest residual [Ns].
+    report: Report,
     next_q: Vec<f64>,
     next_v: Vec<f64>,
+    /// The state at the beginning of the step.
+    start_q: Vec<f64>,
+    start_v: Vec<f64>,
     audit: Audit,
 }
 
@@ -98,9 +109,9 @@ impl Simulator {
         let actuated: Vec<usize> = model.actuated().collect();
         let state = Dynamics::new(&model);
         let mut velocity = if model.is_planar() {
-            Velocity::Planar(VelocityStep::new(&model, &state, &ground))
+            Velocity::Planar(VelocityStep::new(&model, &state))
         } else {
-            Velocity::Spatial(VelocityStep::new(&model, &state, &ground))
+            Velocity::Spatial(VelocityStep::new(&model, &state))
         };
         let mut body = Body {
             ground,
@@ -118,8 +129,11 @@ impl Simulator {
             force: vec![0.0; nv],
             push_force: vec![0.0; nv],
             damping: vec![0.0; nv],
+            report: Report::default(),
             next_q: q.to_vec(),
             next_v: vec![0.0; nv],
+            start_q: q.to_vec(),
+            start_v: vec![0.0; nv],
             audit: Audit::default(),
             settings,
             model,
@@ -176,10 +190,7 @@ impl Simulator {
 
     /// Sweeps and residual of the latest contact solve.
     pub fn contact_report(&self) -> Report {
-        match &self.velocity {
-            Velocity::Planar(velocity) => velocity.report,
-            Velocity::Spatial(velocity) => velocity.report,
-        }
+        self.body.report
     }
 
     /// The books of the run so far.
@@ -259,8 +270,8 @@ impl Plant for Simulator {
         self.body.settings.contact = settings.contact.clone();
         self.body.ground = ground.clone();
         match &mut self.velocity {
-            Velocity::Planar(velocity) => velocity.stand_on(ground),
-            Velocity::Spatial(velocity) => velocity.stand_on(ground),
+            Velocity::Planar(velocity) => velocity.forget(),
+            Velocity::Spatial(velocity) => velocity.forget(),
         }
         Ok(())
     }
@@ -278,23 +289,98 @@ impl Body {
         self.elastic.check(&self.model, self.settings.period_s, velocity)
     }
 
+    /// One step, divided where contact points meet the ground: forces act until then, the impact changes the velocities at
+    /// once, and forces act for the rest.
     fn step<const D: usize, const K: usize>(&mut self, velocity: &mut VelocityStep<D, K>, wanted: &[f64]) -> bool {
-        let time = self.time();
-        let Self { settings, model, ground, state, midpoint, .. } = self;
-        let dt = settings.period_s;
-        let is_midpoint = settings.integrator == Integrator::Midpoint;
         self.applied.copy_from_slice(self.actuators.apply(wanted));
+        self.start_q.copy_from_slice(&self.q);
+        self.start_v.copy_from_slice(&self.v);
+        self.forces.fill(0.0);
+        self.report = Report::default();
+        let sound = self.divide(velocity);
+        if sound {
+            self.step += 1;
+        } else {
+            self.q.copy_from_slice(&self.start_q);
+            self.v.copy_from_slice(&self.start_v);
+            velocity.forget();
+        }
+        self.state.update(&self.model, &self.q, &self.v);
+        if sound {
+            self.audit.close(&self.state, &self.ground);
+        }
+        sound
+    }
+
+    /// Advances by a step, from impact to impact. Returns false where the numbers are out of bounds.
+    fn divide<const D: usize, const K: usize>(&mut self, velocity: &mut VelocityStep<D, K>) -> bool {
+        let dt = self.settings.period_s;
+        let mut gone = 0.0;
+        let divides =
+            self.settings.integrator == Integrator::Midpoint && self.settings.contact.model == ContactModel::Rigid;
+        for _ in 0..if divides { IMPACTS } else { 0 } {
+            let Some(at) = velocity.landing(&self.ground, &self.state, dt - gone) else { break };
+            if gone + at > (1.0 - BRIEF) * dt {
+                break;
+            }
+            if at > BRIEF * dt {
+                if !self.advance(velocity, gone, at) {
+                    return false;
+                }
+                gone += at;
+                self.state.update_position(&self.model, &self.q);
+                self.state.update_bias(&self.model, &self.v);
+            }
+            if !self.impact(velocity) {
+                return false;
+            }
+            self.state.update_bias(&self.model, &self.v);
+        }
+        self.advance(velocity, gone, dt - gone)
+    }
+
+    /// Stops the contact points that are at the ground at once.
+    fn impact<const D: usize, const K: usize>(&mut self, velocity: &mut VelocityStep<D, K>) -> bool {
+        let Self { settings, model, ground, state, .. } = self;
+        // What free fall leaves of a gap that was to close.
+        let reach = 2.0 * model.gravity.abs() * settings.period_s * settings.period_s + 1e-9;
+        let moment = Moment::Impact { reach };
+        if !velocity.prepare(settings, ground, state, moment) {
+            return false;
+        }
+        self.force.fill(0.0);
+        velocity.solve(settings, 0.0, &self.v, &self.force, &mut self.next_v);
+        if !in_bounds(&self.next_v) {
+            return false;
+        }
+        self.audit.solve(velocity.report, settings.period_s);
+        self.report = worse(self.report, velocity.report);
+        velocity.account(model, settings.period_s, moment, &mut self.audit, &mut self.forces);
+        self.v.copy_from_slice(&self.next_v);
+        true
+    }
+
+    /// Advances the state from the time `gone` [s] after the step's begin by `dt` [s].
+    fn advance<const D: usize, const K: usize>(
+        &mut self,
+        velocity: &mut VelocityStep<D, K>,
+        gone: f64,
+        dt: f64,
+    ) -> bool {
+        let time = self.time() + gone;
+        let Self { settings, model, ground, state, midpoint, .. } = self;
+        let is_midpoint = settings.integrator == Integrator::Midpoint;
 
         // Moreau 1988: forces and contacts are those of the configuration half a step ahead.
         let ahead = if is_midpoint { 0.5 * dt } else { 0.0 };
-        let rest = dt - ahead;
         model.integrate(&self.q, &self.v, ahead, &mut self.next_q);
         if is_midpoint {
             midpoint.update_position(model, &self.next_q);
             midpoint.update_bias(model, &self.v);
         }
         let dynamics = if is_midpoint { &*midpoint } else { &*state };
-        if !velocity.prepare(settings, ground, dynamics, rest) {
+        let moment = Moment::Step { period: dt, ahead, pace: settings.period_s };
+        if !velocity.prepare(settings, ground, dynamics, moment) {
             return false;
         }
         if !self.elastic.is_empty() {
@@ -314,11 +400,11 @@ impl Body {
         for (&dof, torque) in self.actuated.iter().zip(&self.applied) {
             self.force[dof] += torque;
         }
-        velocity.solve(settings, &self.v, &self.force, &mut self.next_v);
+        velocity.solve(settings, dt, &self.v, &self.force, &mut self.next_v);
 
         if is_midpoint && in_bounds(&self.next_v) {
-            // Velocity-dependent forces are the mean of those before and after the step. Without it every impact would
-            // leave an error of first order in the momentum.
+            // Velocity-dependent forces are the mean of those before and after the step. Without it every change of the
+            // velocities by contacts would leave an error of first order in the momentum.
             for j in 0..self.v.len() {
                 self.force[j] += 0.5 * (midpoint.bias[j] + midpoint.damping[j]);
                 self.damping[j] *= 0.5;
@@ -328,10 +414,9 @@ impl Body {
                 self.force[j] -= 0.5 * (midpoint.bias[j] + midpoint.damping[j]);
                 self.damping[j] += 0.5 * midpoint.damping[j];
             }
-            velocity.solve(settings, &self.v, &self.force, &mut self.next_v);
+            velocity.solve(settings, dt, &self.v, &self.force, &mut self.next_v);
         }
         if !in_bounds(&self.next_v) {
-            velocity.forget();
             return false;
         }
 
@@ -344,16 +429,19 @@ impl Body {
             push,
             push_force: &self.push_force,
             gravity: model.gravity,
-            report: velocity.report,
         });
-        velocity.account(model, dt, &mut self.audit, &mut self.forces);
-        model.integrate(&self.next_q, &self.next_v, rest, &mut self.q);
+        self.audit.solve(velocity.report, settings.period_s);
+        self.report = worse(self.report, velocity.report);
+        velocity.account(model, settings.period_s, moment, &mut self.audit, &mut self.forces);
+        model.integrate(&self.next_q, &self.next_v, dt - ahead, &mut self.q);
         self.v.copy_from_slice(&self.next_v);
-        self.step += 1;
-        state.update(model, &self.q, &self.v);
-        self.audit.close(state, ground);
         true
     }
+}
+
+/// The most sweeps and the largest residual of both.
+fn worse(a: Report, b: Report) -> Report {
+    Report { sweeps: a.sweeps.max(b.sweeps), residual: a.residual.max(b.residual) }
 }
 
 /// Whether velocities are numbers that physics could have made.

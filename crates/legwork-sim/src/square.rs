@@ -18,6 +18,14 @@ impl Square {
         Self { n, entry: vec![0.0; n * n], pivot: vec![0; n], inverse: vec![0.0; n] }
     }
 
+    /// Takes `n` equations, at most as many as there is storage for; their entries are those of no matrix yet.
+    pub(super) fn resize(&mut self, n: usize) {
+        self.n = n;
+        self.entry.resize(n * n, 0.0);
+        self.pivot.resize(n, 0);
+        self.inverse.resize(n, 0.0);
+    }
+
     /// Factorises `entry` in place. False where the matrix is singular.
     pub(super) fn factor(&mut self) -> bool {
         let n = self.n;
@@ -54,6 +62,9 @@ impl Square {
     /// `x := A⁻¹ x`
     pub(super) fn solve(&self, x: &mut [f64]) {
         let n = self.n;
+        if n == 0 {
+            return;
+        }
         for (k, &pivot) in self.pivot.iter().enumerate() {
             x.swap(k, pivot);
         }

@@ -8,13 +8,25 @@ use legwork_rbd::{Dynamics, Model, Motion};
 use nalgebra::Vector3;
 
 use super::audit::Audit;
-use super::contact_solver::{ContactSolver, Report};
+use super::contact_solver::{ContactSolver, Point, Report};
 use super::simultaneous::Simultaneous;
 use super::spring_damper;
 use super::tree_factor::TreeFactor;
 use crate::settings::{ContactModel, SimulationSettings};
 use legwork_contract::contact::Surface;
-use legwork_contract::terrain::Terrain;
+use legwork_contract::terrain::{Piece, Terrain};
+
+/// Contact points are left out of a step that are farther from the ground than this, and than they could move in some steps [m].
+const NEAR: f64 = 0.005;
+
+/// A foot whose contact points are deeper in the ground stays there [m].
+const DEEP: f64 = 1e-4;
+
+/// A smaller gap is none [m].
+const CLOSED: f64 = 1e-5;
+
+/// Contact points that meet the ground more slowly do not divide a step [m/s].
+const SLOW: f64 = 1e-5;
 
 /// The equation of one step, set up in one configuration and solved for one or more biases; all preallocated. For D and K
 /// see [`ContactSolver`].
@@ -26,8 +38,12 @@ pub(super) struct VelocityStep<const D: usize, const K: usize> {
     pub(super) report: Report,
     factor: TreeFactor,
     feet: Vec<Foot<K>>,
-    /// The ground below each contact point.
-    ground: Vec<Surface>,
+    /// The foot of each contact point.
+    foot_of: Vec<usize>,
+    /// What each contact point carried last, and on which pieces of ground.
+    memory: Vec<[Option<Memory<D>>; 2]>,
+    /// What each of the solver's points is.
+    places: Vec<Place>,
     /// Twists of the feet with the velocities before.
     before: Vec<[f64; K]>,
     /// `L⁻ᵀ (f - h)`
@@ -46,55 +62,122 @@ struct Foot<const K: usize> {
     shared: Vec<usize>,
     /// Rows of Y along the chain.
     whitened: Vec<[f64; K]>,
+    rest: Option<Rest>,
+}
+
+/// How a foot rests on the ground.
+#[derive(Clone, Copy, Debug)]
+struct Rest {
+    /// The piece of ground that its first contact point rests on, by where that begins.
+    begin: f64,
+    /// What it carried [Ns].
+    load: f64,
+    /// The centre of the load that it carried [m].
+    centre: Vector3<f64>,
+    /// J̇ v there, angular and linear.
+    bias: Motion,
+    /// It rests on one piece of ground and is not deep in it: gaps are to be closed.
+    closes: bool,
+}
+
+impl Default for Rest {
+    fn default() -> Self {
+        Self { begin: 0.0, load: 0.0, centre: Vector3::zeros(), bias: Motion::zero(), closes: true }
+    }
+}
+
+impl Rest {
+    /// J̇ v at `position`, but for what the foot turns about the centre: that is what a rigid foot can do.
+    fn bias_at(&self, position: &Vector3<f64>) -> Vector3<f64> {
+        self.bias.linear + self.bias.angular.cross(&(position - self.centre))
+    }
+}
+
+/// What a contact point did on a piece of ground in the step before.
+#[derive(Clone, Copy, Debug)]
+struct Memory<const D: usize> {
+    /// Where the piece begins along x [m]: which piece it is.
+    begin: f64,
+    impulse: [f64; D],
+    /// Whether it rests there: it was carried, and had no gap left to close.
+    rests: bool,
+}
+
+/// A contact point on a piece of ground.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    contact: usize,
+    /// Which of its pieces.
+    slot: usize,
+    surface: Surface,
+    begin: f64,
+    /// It rests, or meets the ground now, and has no gap left to close.
+    rests: bool,
+}
+
+/// Where in time the velocities change, and what of the ground is met there.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Moment {
+    /// Forces act for `period` [s], and the contact points move with the velocity before for `ahead`, then with the one after.
+    /// Gaps of what rests are closed in the time of a whole step, `pace` [s].
+    Step { period: f64, ahead: f64, pace: f64 },
+    /// An impact: contact points whose gap is at most `reach` [m] stop, at once.
+    Impact { reach: f64 },
 }
 
 impl<const D: usize, const K: usize> VelocityStep<D, K> {
-    /// Storage for `model`, with its tree as `dynamics` knows it, on `terrain`.
-    pub(super) fn new(model: &Model, dynamics: &Dynamics, terrain: &Terrain) -> Self {
+    /// Storage for `model`, with its tree as `dynamics` knows it.
+    pub(super) fn new(model: &Model, dynamics: &Dynamics) -> Self {
         let mut feet: Vec<Foot<K>> = Vec::new();
-        let mut foot_of_point = Vec::new();
+        let mut foot_of = Vec::new();
         for (index, point) in model.contacts.iter().enumerate() {
             let known = feet.iter().position(|foot| foot.body == point.body);
-            foot_of_point.push(known.unwrap_or(feet.len()));
+            foot_of.push(known.unwrap_or(feet.len()));
             if known.is_none() {
                 let chain = dynamics.chain(point.body);
                 let common = |foot: &Foot<K>| foot.chain.iter().zip(&chain).take_while(|(a, b)| a == b).count();
                 let shared = feet.iter().map(common).collect();
                 let whitened = vec![[0.0; K]; chain.len()];
-                feet.push(Foot { body: point.body, reference: index, chain, shared, whitened });
+                feet.push(Foot { body: point.body, reference: index, chain, shared, whitened, rest: None });
             }
         }
-        let contacts = ContactSolver::new(&foot_of_point, feet.len());
-        let mut step = Self {
-            contacts,
-            ground: vec![*terrain.base(); foot_of_point.len()],
-            together: Simultaneous::new(foot_of_point.len(), feet.len()),
+        // A point may meet two pieces of ground, in a hollow.
+        let points = 2 * foot_of.len();
+        Self {
+            contacts: ContactSolver::new(points, feet.len()),
+            memory: vec![[None; 2]; foot_of.len()],
+            places: Vec::with_capacity(points),
+            together: Simultaneous::new(points, feet.len()),
             report: Report::default(),
             factor: TreeFactor::new(model, dynamics),
             before: vec![[0.0; K]; feet.len()],
             feet,
+            foot_of,
             drive: vec![0.0; model.nv()],
-        };
-        step.stand_on(terrain);
-        step
-    }
-
-    /// From now on the feet are on `terrain`.
-    pub(super) fn stand_on(&mut self, terrain: &Terrain) {
-        self.ground.fill(*terrain.base());
-        for point in &mut self.contacts.points {
-            (point.friction, point.turn) = (terrain.base().friction, None);
         }
     }
 
-    /// Sets the step up in the configuration of `dynamics`, which knows the velocities before; the contact points move on
-    /// for `rest` [s] with the new velocity. Returns false where the mass matrix is not positive definite.
+    /// When a contact point first meets the ground within `time` [s], where all move on as they do in `dynamics`.
+    pub(super) fn landing(&self, terrain: &Terrain, dynamics: &Dynamics, time: f64) -> Option<f64> {
+        let mut first = None;
+        for ((position, &foot), memory) in dynamics.contact_positions.iter().zip(&self.foot_of).zip(&self.memory) {
+            let rests =
+                |piece: &Piece| memory.iter().flatten().any(|memory| memory.rests && memory.begin == piece.ends[0]);
+            let velocity = dynamics.motion_at(self.feet[foot].body, position).linear;
+            let at = terrain.landing(position, &velocity, first.unwrap_or(time), SLOW, rests);
+            first = at.or(first);
+        }
+        first
+    }
+
+    /// Sets the change of velocity at a `moment` up in the configuration of `dynamics`, which knows the velocities before.
+    /// Returns false where the mass matrix is not positive definite.
     pub(super) fn prepare(
         &mut self,
         settings: &SimulationSettings,
         terrain: &Terrain,
         dynamics: &Dynamics,
-        rest: f64,
+        moment: Moment,
     ) -> bool {
         if !self.factor(dynamics) {
             return false;
@@ -109,34 +192,100 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
             self.factor.whiten(&foot.chain, &mut foot.whitened);
         }
         self.couple();
-        if !terrain.is_plane() {
-            let points = &self.contacts.points;
-            terrain.below(&dynamics.contact_positions, |point| points[point].foot, &mut self.ground);
-        }
-        let places = self.contacts.points.iter_mut().zip(&self.ground).zip(&dynamics.contact_positions);
-        for ((point, ground), position) in places {
-            if !terrain.is_plane() {
-                point.friction = ground.friction;
-                let (sin, cos) = libm::sincos(ground.turn - terrain.base().turn);
-                point.turn = (sin != 0.0).then_some([cos, sin]);
+        self.find_rest(terrain, dynamics);
+        self.contacts.points.clear();
+        self.places.clear();
+        for (contact, position) in dynamics.contact_positions.iter().enumerate() {
+            for (slot, piece) in terrain.pieces_near(position).iter().enumerate() {
+                if let Some(piece) = piece {
+                    self.meet(terrain, dynamics, &axes, moment, Met { contact, position, slot, piece });
+                }
             }
-            let arm = position - dynamics.contact_positions[self.feet[point.foot].reference];
-            for (value, direction) in point.arm.iter_mut().zip(&axes.linear) {
-                *value = direction.dot(&arm);
-            }
-            let gap = terrain.gap(position);
-            // A point may close its gap within the step, and recovers from a share of its penetration.
-            let share = if gap > 0.0 { 1.0 / rest } else { settings.contact.penetration_recovery / settings.period_s };
-            point.approach = -share * gap;
         }
         match settings.contact.model {
             ContactModel::Rigid => {
                 self.contacts.prepare();
                 self.together.forget();
             }
-            ContactModel::SpringDamper => self.spring(settings, terrain, dynamics),
+            ContactModel::SpringDamper => self.spring(settings, dynamics, terrain),
         }
         true
+    }
+
+    /// Finds how each foot rests on the ground.
+    fn find_rest(&mut self, terrain: &Terrain, dynamics: &Dynamics) {
+        self.feet.iter_mut().for_each(|foot| foot.rest = None);
+        for ((memory, &foot), position) in self.memory.iter().zip(&self.foot_of).zip(&dynamics.contact_positions) {
+            for memory in memory.iter().flatten().filter(|memory| memory.rests) {
+                let load = memory.impulse[D - 1];
+                let rest = self.feet[foot].rest.get_or_insert(Rest { begin: memory.begin, ..Rest::default() });
+                rest.load += load;
+                rest.centre += position * load;
+                // Ground that gave way deeper than steps do would give energy if it came back.
+                rest.closes &= rest.begin == memory.begin && terrain.gap(position) > -DEEP;
+            }
+        }
+        for foot in &mut self.feet {
+            if let Some(rest) = &mut foot.rest {
+                rest.centre /= rest.load;
+                let angular = dynamics.angular_bias(foot.body);
+                rest.bias = Motion { angular, linear: dynamics.point_bias(foot.body, &rest.centre) };
+            }
+        }
+    }
+
+    /// Adds a contact point on a piece of ground to those that may touch, if it is near enough.
+    fn meet(&mut self, terrain: &Terrain, dynamics: &Dynamics, axes: &Axes<D>, moment: Moment, met: Met<'_>) {
+        let Met { contact, position, slot, piece } = met;
+        let gap = piece.gap(position);
+        let foot = self.foot_of[contact];
+        let body = self.feet[foot].body;
+        let near = match moment {
+            Moment::Impact { reach } => gap <= reach,
+            Moment::Step { period, .. } => {
+                gap <= NEAR || gap <= NEAR + 4.0 * period * dynamics.motion_at(body, position).linear.norm()
+            }
+        };
+        if !near {
+            return;
+        }
+        let surface = terrain.surface(piece, position);
+        let arm = position - dynamics.contact_positions[self.feet[foot].reference];
+        let arm = std::array::from_fn(|i| axes.linear[i].dot(&arm));
+        let mut point = Point::new(foot, arm, surface.friction);
+        if !terrain.is_even() {
+            let (sin, cos) = libm::sincos(surface.turn - terrain.base().turn);
+            point.turn = (sin != 0.0).then_some([cos, sin]);
+        }
+        let known = self.memory[contact].iter().flatten().find(|memory| memory.begin == piece.ends[0]);
+        let closes = self.feet[foot].rest.is_some_and(|rest| rest.closes);
+        let rests = match moment {
+            Moment::Impact { .. } => true,
+            Moment::Step { .. } => known.is_some_and(|memory| memory.rests) || gap <= CLOSED,
+        };
+        if let Some(memory) = known {
+            point.impulse = memory.impulse;
+        }
+        if let Moment::Step { period, ahead, pace } = moment {
+            if let Some(rest) = &self.feet[foot].rest {
+                // At the end of the step it shall not move. On the way there it turns by J̇ v.
+                let bias = rest.bias_at(position);
+                for (target, direction) in point.target.iter_mut().zip(surface.directions()) {
+                    *target = -0.5 * period * direction.dot(&bias);
+                }
+            }
+            let normal = &mut point.target[D - 1];
+            if !rests {
+                // It arrives: what it meets on the way does not hold it yet.
+                *normal = -gap / (period - ahead);
+                point.friction = 0.0;
+            } else if closes {
+                // Nor shall it have a gap.
+                *normal -= (gap + *normal * ahead * ahead / period) / pace;
+            }
+        }
+        self.places.push(Place { contact, slot, surface, begin: piece.ends[0], rests });
+        self.contacts.points.push(point);
     }
 
     /// Factorises the mass matrix. Returns false where it is not positive definite.
@@ -173,21 +322,27 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
     }
 
     /// Impulses of the spring-damper ground over the step (thesis 3.3).
-    fn spring(&mut self, settings: &SimulationSettings, terrain: &Terrain, dynamics: &Dynamics) {
+    fn spring(&mut self, settings: &SimulationSettings, dynamics: &Dynamics, terrain: &Terrain) {
         self.report = Report::default();
-        for (point, position) in self.contacts.points.iter_mut().zip(&dynamics.contact_positions) {
+        for (point, place) in self.contacts.points.iter_mut().zip(&self.places) {
             let velocity = point.velocity(&self.before[point.foot]);
-            let gap = terrain.gap(position);
+            let gap = if place.slot == 0 { terrain.gap(&dynamics.contact_positions[place.contact]) } else { 0.0 };
             spring_damper::force(&settings.contact, point.friction, gap, &velocity, &mut point.impulse);
             point.impulse.iter_mut().for_each(|value| *value *= settings.period_s);
         }
     }
 
-    /// Writes `v⁺` into `next`, where `force` are all generalized forces but those of the contacts.
-    pub(super) fn solve(&mut self, settings: &SimulationSettings, v: &[f64], force: &[f64], next: &mut [f64]) {
-        let dt = settings.period_s;
+    /// Writes `v⁺` into `next`, where `force` are all generalized forces but those of the contacts, which act for `period` [s].
+    pub(super) fn solve(
+        &mut self,
+        settings: &SimulationSettings,
+        period: f64,
+        v: &[f64],
+        force: &[f64],
+        next: &mut [f64],
+    ) {
         for (drive, force) in self.drive.iter_mut().zip(force) {
-            *drive = dt * force;
+            *drive = period * force;
         }
         self.factor.solve_transposed(&mut self.drive);
         for ((foot, before), free) in self.feet.iter().zip(&self.before).zip(&mut self.contacts.free) {
@@ -200,13 +355,12 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
         }
         match settings.contact.model {
             ContactModel::Rigid => {
-                let tolerance = settings.contact.tolerance_n * dt;
+                let tolerance = settings.contact.tolerance_n * settings.period_s;
                 self.report = self.contacts.solve(&mut self.together, tolerance, &settings.contact);
             }
             ContactModel::SpringDamper => self.contacts.load(),
         }
         next.copy_from_slice(&self.drive);
-        self.contacts.sum();
         for (foot, total) in self.feet.iter().zip(&self.contacts.total) {
             for (row, &j) in foot.whitened.iter().zip(&foot.chain) {
                 next[j] += (0..K).map(|i| row[i] * total[i]).sum::<f64>();
@@ -218,29 +372,52 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
         }
     }
 
-    /// Lets the next solve begin with no impulses.
+    /// Forgets what the contacts carried.
     pub(super) fn forget(&mut self) {
-        self.contacts.points.iter_mut().for_each(|point| point.impulse = [0.0; D]);
+        self.memory.fill([None; 2]);
     }
 
-    /// Enters the contacts of the step into the books, and writes their mean forces along the model's linear axes [N].
-    pub(super) fn account(&self, model: &Model, dt: f64, audit: &mut Audit, forces: &mut [f64]) {
+    /// Enters the contacts of a change of velocity into the books, adds their forces along the model's linear axes, as means over
+    /// `dt` [s], to `forces` [N], and remembers what they carried.
+    pub(super) fn account(&mut self, model: &Model, dt: f64, moment: Moment, audit: &mut Audit, forces: &mut [f64]) {
+        let (is_impact, time) = match moment {
+            Moment::Impact { .. } => (true, 0.0),
+            Moment::Step { period, .. } => (false, period),
+        };
+        if !is_impact {
+            self.memory.fill([None; 2]);
+        }
         let mut work = 0.0;
-        let points = self.contacts.points.iter().zip(&self.ground);
-        for ((point, ground), forces) in points.zip(forces.chunks_exact_mut(D)) {
+        for (point, place) in self.contacts.points.iter().zip(&self.places) {
             let before = point.velocity(&self.before[point.foot]);
             let after = point.velocity(&self.contacts.twist[point.foot]);
-            work += audit.contact(ground, dt, &point.impulse, [&before, &after]);
+            let motion: [f64; D] = std::array::from_fn(|i| after[i] - point.target[i]);
+            work += audit.contact(&place.surface, [dt, time], &point.impulse, [&before, &after], &motion);
             let mut force = Vector3::zeros();
-            for (direction, impulse) in ground.directions().zip(&point.impulse) {
+            for (direction, impulse) in place.surface.directions().zip(&point.impulse) {
                 force += *direction * (*impulse / dt);
             }
-            for (value, axis) in forces.iter_mut().zip(model.linear_axes()) {
-                *value = axis.dot(&force);
+            for (value, axis) in forces[place.contact * D..].iter_mut().zip(model.linear_axes()) {
+                *value += axis.dot(&force);
             }
+            if is_impact && point.impulse[D - 1] == 0.0 {
+                // Whatever it rested on it still rests on.
+                continue;
+            }
+            let rests = place.rests && point.impulse[D - 1] > 0.0;
+            let memory = Memory { begin: place.begin, impulse: point.impulse, rests };
+            self.memory[place.contact][place.slot] = Some(memory);
         }
         audit.contact_work(work);
     }
+}
+
+/// A contact point at a piece of ground.
+struct Met<'a> {
+    contact: usize,
+    position: &'a Vector3<f64>,
+    slot: usize,
+    piece: &'a Piece,
 }
 
 /// The axes of a twist.

@@ -109,8 +109,8 @@ impl TableWriter {
         assert_eq!(cells.len(), self.columns.len(), "a cell for each column");
         let texts = cells.iter().map(|cell| match cell {
             Cell::Empty => String::new(),
-            // The shortest text that reads back to the same bits.
-            Cell::Number(number) => number.to_string(),
+            // The shortest text that reads back to the same bits, and with a point: what looks whole would be read as an integer.
+            Cell::Number(number) => format!("{number:?}"),
             Cell::Text(text) => text.clone(),
         });
         self.csv.write_record(texts).map_err(|error| failed(&self.paths[0], error))?;

@@ -115,8 +115,10 @@ impl Sink for Csv {
             self.writer.write_record(header).map_err(|error| failed(&self.path, error))?;
             self.has_header = true;
         }
-        // The shortest text that reads back to the same bits.
-        self.writer.write_record(values.iter().map(f64::to_string)).map_err(|error| failed(&self.path, error))
+        // The shortest text that reads back to the same bits, and with a point: what looks whole would be read as an integer.
+        self.writer
+            .write_record(values.iter().map(|value| format!("{value:?}")))
+            .map_err(|error| failed(&self.path, error))
     }
 
     fn finish(&mut self, _hashes: &Hashes) -> Result<(), Error> {

@@ -35,20 +35,28 @@ pub fn start_pose(scenario: &Scenario, model: &Robot, ground: &Terrain) -> Resul
         torso: start.torso_angle_deg.to_radians(),
     };
     let mut best: Option<(f64, DVector<f64>)> = None;
-    for bend in [0.5, 0.25, 0.75, 0.1, 0.9] {
-        let (error, q) = solve(model, &target, first_guess(model, &target, bend));
-        if best.as_ref().is_none_or(|(least, _)| error < *least) {
-            best = Some((error, q));
+    let mut beyond = None;
+    for free in [0.0, 0.5, -0.5] {
+        for bend in [0.5, 0.25, 0.75, 0.1, 0.9] {
+            let (error, q) = solve(model, &target, first_guess(model, &target, bend, free));
+            if error < TOLERANCE {
+                match check_limits(model, &q) {
+                    Ok(()) => return Ok(q),
+                    Err(error) => beyond = beyond.or(Some(error)),
+                }
+            } else if best.as_ref().is_none_or(|(least, _)| error < *least) {
+                best = Some((error, q));
+            }
         }
-        if error < TOLERANCE {
+        // Only a joint without limits could bend another way.
+        if model.dofs.iter().all(|dof| !dof.actuated || dof.usual_range().is_some()) {
             break;
         }
     }
-    let (error, q) = best.expect("at least one guess was tried");
-    if error < TOLERANCE {
-        return check_limits(model, q);
-    }
-    Err(unreachable(model, &target, &q))
+    Err(beyond.unwrap_or_else(|| {
+        let (_, q) = best.expect("at least one guess was tried");
+        unreachable(model, &target, &q)
+    }))
 }
 
 struct Target {
@@ -59,16 +67,16 @@ struct Target {
     torso: f64,
 }
 
-/// A pose between the joint limits; `bend` chooses where.
-fn first_guess(model: &Model, target: &Target, bend: f64) -> DVector<f64> {
+/// A pose between the joint limits; `bend` chooses where, and joints without limits are at `free` [rad, m].
+fn first_guess(model: &Model, target: &Target, bend: f64, free: f64) -> DVector<f64> {
     let mut q = model.neutral();
-    for dof in &model.dofs {
-        let (lower, upper) = (dof.lower, dof.upper);
-        if dof.actuated && lower.is_finite() && upper.is_finite() {
+    for dof in model.dofs.iter().filter(|dof| dof.actuated) {
+        q[model.bodies[dof.body].q_index] = match dof.usual_range() {
             // From the limit that is nearer to zero, which is the straighter leg.
-            let (near, far) = if lower.abs() < upper.abs() { (lower, upper) } else { (upper, lower) };
-            q[model.bodies[dof.body].q_index] = near + bend * 0.5 * (far - near);
-        }
+            Some([lower, upper]) if lower.abs() < upper.abs() => lower + bend * 0.5 * (upper - lower),
+            Some([lower, upper]) => upper - bend * 0.5 * (upper - lower),
+            None => free,
+        };
     }
     match model.base {
         Base::Planar => (q[0], q[1]) = (target.com.x, 0.3 * target.com.z),
@@ -104,7 +112,13 @@ fn solve(model: &Robot, target: &Target, mut q: DVector<f64>) -> (f64, DVector<f
             damping *= 10.0;
         }
     }
-    (error.amax(), wrap(model, q))
+    let mut q = wrap(model, q);
+    if model.is_planar() {
+        // So many joints turned so often: the base turns back.
+        dynamics.update(model, q.as_slice(), &vec![0.0; model.nv()]);
+        q[2] -= whole_turns(model.torso_angle(&dynamics, q.as_slice()) - target.torso);
+    }
+    (error.amax(), q)
 }
 
 /// Target minus pose, and the pose's Jacobian: feet, CoM, torso.
@@ -148,34 +162,48 @@ fn residual(
     (error, jacobian)
 }
 
-/// Turns each joint by whole revolutions towards the middle of its range.
+/// Turns each joint by whole revolutions towards the middle of its range, or towards zero.
 fn wrap(model: &Model, mut q: DVector<f64>) -> DVector<f64> {
-    for dof in model.dofs.iter().filter(|dof| dof.rotational && dof.actuated && dof.lower.is_finite()) {
+    for dof in model.dofs.iter().filter(|dof| dof.rotational && dof.actuated) {
         let index = model.bodies[dof.body].q_index;
-        let middle = 0.5 * (dof.lower + dof.upper);
-        q[index] -= ((q[index] - middle) / std::f64::consts::TAU).round() * std::f64::consts::TAU;
+        let half_a_turn = std::f64::consts::PI;
+        let middle = match (dof.lower.is_finite(), dof.upper.is_finite()) {
+            (true, true) => 0.5 * (dof.lower + dof.upper),
+            (true, false) => dof.lower + half_a_turn,
+            (false, true) => dof.upper - half_a_turn,
+            (false, false) => 0.0,
+        };
+        q[index] -= whole_turns(q[index] - middle);
     }
     q
 }
 
-fn check_limits(model: &Model, q: DVector<f64>) -> Result<DVector<f64>, Error> {
+/// The whole revolutions that are nearest to an angle [rad].
+fn whole_turns(angle: f64) -> f64 {
+    (angle / std::f64::consts::TAU).round() * std::f64::consts::TAU
+}
+
+fn check_limits(model: &Model, q: &DVector<f64>) -> Result<(), Error> {
     for dof in &model.dofs {
         let angle = q[model.bodies[dof.body].q_index];
         if dof.actuated && !(dof.lower..=dof.upper).contains(&angle) {
+            let (limit, words) =
+                if angle < dof.lower { (dof.lower, "below its lower") } else { (dof.upper, "above its upper") };
+            let position = |value: f64| {
+                if dof.rotational { format!("{:.1} deg", value.to_degrees()) } else { format!("{value:.3} m") }
+            };
             return Err(Error::invalid(
                 "start",
                 format!(
-                    "the start pose puts {} at {:.1} deg, outside of its limits [{:.1}, {:.1}] deg; \
-                     lower or raise start.com_height_m or move the feet",
+                    "the start pose puts {} at {}, {words} limit of {}; lower or raise start.com_height_m or move the feet",
                     dof.name,
-                    angle.to_degrees(),
-                    dof.lower.to_degrees(),
-                    dof.upper.to_degrees()
+                    position(angle),
+                    position(limit)
                 ),
             ));
         }
     }
-    Ok(q)
+    Ok(())
 }
 
 fn unreachable(model: &Robot, target: &Target, q: &DVector<f64>) -> Error {

@@ -34,9 +34,9 @@ fn the_zero_moment_point_is_the_centre_of_pressure() {
     ] {
         let run = common::run(name, sets);
         let [largest, mean] = zmp_from_cop(&run);
-        // A contact point that lands or slips at 1 m/s moves by 1 mm in the control period of 1 ms; those that stand do
+        // A contact point that lands or slips at 2 m/s moves by 2 mm in the control period of 1 ms; those that stand do
         // not move. The forces of the pushes alone are worth centimetres.
-        assert!(largest < 1e-3 && mean < 2e-5, "{name}: {largest} m, mean {mean} m");
+        assert!(largest < 2e-3 && mean < 2e-5, "{name}: {largest} m, mean {mean} m");
     }
 }
 

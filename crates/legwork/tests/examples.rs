@@ -16,7 +16,7 @@ fn output(name: &str) -> String {
 #[test]
 fn every_part_of_a_run_can_be_ones_own() {
     for (name, says) in [
-        ("own_loop", "after 2.0 s the centre of mass is at x = 1.278 m"),
+        ("own_loop", "after 2.0 s the centre of mass is at x = 1.276 m"),
         ("own_controller", "Completed, with joint torques up to 44 Nm"),
         ("own_generator", "Completed; the centre of mass moved between 0.930 and 0.970 m"),
         ("own_plant", "Completed; 500 records without a ground"),

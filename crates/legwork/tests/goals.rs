@@ -1,7 +1,7 @@
 //! From state to goals: the planner's equations, the step state machine, the friction cone on a slope.
 
 use legwork::Robot;
-use legwork::contact::friction_rows;
+use legwork::contact::Pyramid;
 use legwork::feet::FeetMotion;
 use legwork::generator::step::{Phase, StepMachine};
 use legwork::generator::{Observation, PointReference, Reference, TurnReference};
@@ -89,13 +89,42 @@ fn friction_rows_are_equations_4_12_to_4_16_on_a_slope() {
         [tangent[0] - friction * normal[0], tangent[1] - friction * normal[1]],
         [-tangent[0] - friction * normal[0], -tangent[1] - friction * normal[1]],
     ];
-    assert_eq!(friction_rows(&humanoid()), 3);
+    let pyramid = Pyramid::new(&humanoid(), 4);
+    assert_eq!(pyramid.rows(), 3);
     for (row, expected) in expected.iter().enumerate() {
-        let found = ground.base().friction_row(row);
+        let found = pyramid.row(ground.base(), row);
         assert!((found.x - expected[0]).abs() < 1e-15 && (found.z - expected[1]).abs() < 1e-15, "row {row}");
     }
     assert!((ground.gap(&Vector3::new(1.0, 0.0, ground.height_at(1.0, 0.0)))).abs() < 1e-15);
     assert!((ground.height_at(1.0, 0.0) - slope.tan()).abs() < 1e-15);
+}
+
+/// What the pyramid allows the cone allows: along its edges all of the friction, between them at least the cosine of half the
+/// angle.
+#[test]
+fn the_pyramid_of_friction_lies_inside_the_cone() {
+    let model = library::load_model("exo18", None).expect("built in");
+    for edges in [3, 4, 8, 15] {
+        let (pyramid, friction) = (Pyramid::new(&model, edges), 0.6);
+        let ground = Terrain::plane(&model, friction, [0.1, -0.2]);
+        let [t, s] = [ground.base().tangents()[0], ground.base().tangents()[1]];
+        let largest = |angle: f64| {
+            let way = t * angle.cos() + s * angle.sin();
+            // Of one newton of normal force.
+            let bound = |row: usize| {
+                let row = pyramid.row(ground.base(), row);
+                let (gain, give) = (row.dot(&way), -row.dot(&ground.base().normal));
+                if gain > 1e-12 { give / gain } else { f64::INFINITY }
+            };
+            (1..pyramid.rows()).map(bound).fold(f64::INFINITY, f64::min)
+        };
+        let half = std::f64::consts::PI / edges as f64;
+        for k in 0..360 {
+            let allowed = largest(f64::from(k).to_radians());
+            assert!(allowed <= friction + 1e-12 && allowed >= friction * half.cos() - 1e-12, "{edges}: {allowed}");
+        }
+        assert!((largest(0.0) - friction).abs() < 1e-12 && (largest(half) - friction * half.cos()).abs() < 1e-12);
+    }
 }
 
 /// A step machine with feet at 0 (right) and 0.5 m (left), over level ground.

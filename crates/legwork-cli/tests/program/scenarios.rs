@@ -71,7 +71,7 @@ fn start_poses_that_cannot_be_taken() {
             "start.com_height_m = 0.3\n",
             [
                 "my.toml:1: start.com_height_m: the start pose puts right_knee at 216.8 deg",
-                "outside of its limits [10.0, 175.0] deg",
+                "above its upper limit of 175.0 deg",
             ],
         ),
         (

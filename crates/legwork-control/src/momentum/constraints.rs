@@ -29,11 +29,11 @@ pub fn dynamics(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
 
 /// Friction cones. Thesis (4.16): `Q_c ρ <= 0`.
 pub fn friction(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
-    let (dimension, per_contact) = (layout.dimension(), layout.friction_rows_per_contact());
+    let (dimension, rows) = (layout.dimension(), layout.pyramid().rows());
     for contact in 0..inputs.stance.len() {
-        for k in 0..per_contact {
-            let index = layout.friction_rows.start + contact * per_contact + k;
-            let direction = inputs.ground[contact].friction_row(k);
+        for k in 0..rows {
+            let index = layout.friction_rows.start + contact * rows + k;
+            let direction = layout.pyramid().row(&inputs.ground[contact], k);
             let row = problem.row_mut(index);
             for (i, axis) in inputs.model.linear_axes().iter().enumerate() {
                 row[layout.rho.start + contact * dimension + i] = axis.dot(&direction);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use legwork_qp::{Constraint, Side};
 
 use crate::settings::{ControllerSettings, QpForm, Tracking};
-use legwork_contract::contact::friction_rows;
+use legwork_contract::contact::Pyramid;
 use legwork_contract::robot::Robot;
 
 use super::limit::{Condition, Limit, LimitKind};
@@ -39,7 +39,7 @@ pub struct Layout {
     /// For each row, then each variable's bounds, its place in `limits`.
     limit_of: Vec<Option<usize>>,
     dimension: usize,
-    friction_rows_per_contact: usize,
+    pyramid: Pyramid,
 }
 
 impl Layout {
@@ -48,6 +48,7 @@ impl Layout {
         let (nv, contacts, dimension) = (model.nv(), model.contacts.len(), model.linear_axes().len());
         let actuated: Vec<usize> = model.actuated().collect();
         let forces = contacts * dimension;
+        let pyramid = Pyramid::new(model, settings.friction_edges);
         let slack = |size: usize| if form == QpForm::Slack { size } else { 0 };
 
         let mut next = 0;
@@ -84,13 +85,13 @@ impl Layout {
             slack: slack_variables,
             dynamics_rows,
             complementarity_rows: take(slack(forces)),
-            friction_rows: take(contacts * friction_rows(model)),
+            friction_rows: take(contacts * pyramid.rows()),
             actuated,
             tasks,
             limits: Vec::new(),
             limit_of: Vec::new(),
             dimension,
-            friction_rows_per_contact: friction_rows(model),
+            pyramid,
         };
         layout.limits = layout.all_limits();
         layout.limit_of = vec![None; layout.rows() + layout.variables()];
@@ -116,9 +117,9 @@ impl Layout {
         self.dimension
     }
 
-    /// Friction rows a contact.
-    pub fn friction_rows_per_contact(&self) -> usize {
-        self.friction_rows_per_contact
+    /// The cone of friction of each contact.
+    pub fn pyramid(&self) -> &Pyramid {
+        &self.pyramid
     }
 
     /// The tasks, in the order of their rows.
@@ -164,7 +165,7 @@ impl Layout {
     }
 
     fn all_limits(&self) -> Vec<Limit> {
-        let (forces, edges) = (self.dimension, self.friction_rows_per_contact);
+        let (forces, rows) = (self.dimension, self.pyramid.rows());
         let contacts = self.rho.len() / forces;
         let limit = |kind, constraint| Limit { kind, constraint };
         let torques = self.actuated.iter().enumerate().map(|(index, &dof)| {
@@ -178,10 +179,10 @@ impl Layout {
             let kind = LimitKind::Force { contact: k / forces, axis: k % forces };
             limit(kind, Constraint::Bound(self.rho.start + k))
         });
-        let friction = (0..contacts * edges).map(|k| {
-            let kind = match k % edges {
-                0 => LimitKind::Unloading { contact: k / edges },
-                row => LimitKind::Friction { contact: k / edges, edge: row - 1 },
+        let friction = (0..contacts * rows).map(|k| {
+            let kind = match k % rows {
+                0 => LimitKind::Unloading { contact: k / rows },
+                row => LimitKind::Friction { contact: k / rows, side: row - 1, sides: rows - 1 },
             };
             limit(kind, Constraint::Row(self.friction_rows.start + k))
         });

@@ -29,8 +29,10 @@ pub enum LimitKind {
     Friction {
         /// The point, in [`Model::contacts`].
         contact: usize,
-        /// The side: forward and backward along each tangent in turn.
-        edge: usize,
+        /// The side: in the plane forward and backward, in space in turn to the left from the first tangent.
+        side: usize,
+        /// Of so many.
+        sides: usize,
     },
     /// The acceleration of an actuated joint.
     Acceleration {
@@ -69,10 +71,14 @@ impl LimitKind {
                 format!("{quantity} {} {axis}", model.contacts[contact].name)
             }
             Self::Unloading { contact } => format!("{quantity} {}", model.contacts[contact].name),
-            Self::Friction { contact, edge } => {
-                let sign = if edge % 2 == 0 { '+' } else { '-' };
-                let tangent = if model.is_planar() { "" } else { ["x", "y"][edge / 2] };
-                format!("{quantity} {} {sign}{tangent}", model.contacts[contact].name)
+            Self::Friction { contact, side, sides } => {
+                let way = match (model.is_planar(), side) {
+                    (true, 0) => "+".to_owned(),
+                    (true, _) => "-".to_owned(),
+                    // The middle of the side, to the left of the first tangent.
+                    (false, _) => format!("{:.0}deg", (2 * side + 1) as f64 * 180.0 / sides as f64),
+                };
+                format!("{quantity} {} {way}", model.contacts[contact].name)
             }
         }
     }

@@ -14,6 +14,8 @@ pub struct ControllerSettings {
     pub form: QpForm,
     /// Friction that it assumes where the ground is not known.
     pub assumed_friction: f64,
+    /// Edges of the pyramid that stands for the cone of friction, in space.
+    pub friction_edges: usize,
     /// Slope that it assumes where the ground is not known [deg].
     pub assumed_slope_deg: f64,
     /// The motion reference planner.
@@ -209,6 +211,7 @@ impl Default for ControllerSettings {
             period_s: 0.001,
             form: QpForm::Direct,
             assumed_friction: 0.85,
+            friction_edges: 4,
             assumed_slope_deg: 0.0,
             planner: PlannerSettings {
                 angular_momentum_gain: 200.0,

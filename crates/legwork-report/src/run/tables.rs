@@ -114,13 +114,15 @@ pub(super) fn audit(run: &Run) -> Markup {
         ("energy error", quantity(audit.energy_error_j, "J")),
         ("work, absolute", quantity(audit.work_j, "J")),
         ("lost in contacts", quantity(audit.contact_loss_j, "J")),
+        ("given by contacts at most", quantity(audit.contact_gain_j, "J")),
         ("momentum error", quantity(audit.momentum_error_mps, "m/s")),
         ("deepest penetration", quantity(audit.penetration_m, "m")),
         ("over the friction cone", quantity(audit.friction_excess_n, "N")),
+        ("friction off the slip", quantity(audit.friction_angle_deg, "deg")),
         ("pull of the ground", quantity(audit.pull_n, "N")),
         ("slip of loaded feet", quantity(audit.slip_m, "m")),
         ("contact residual", quantity(audit.contact_residual_n, "N")),
-        ("most sweeps in a step", audit.contact_sweeps.to_string()),
+        ("most solves for contacts in a step", audit.contact_sweeps.to_string()),
     ])
 }
 

@@ -203,8 +203,8 @@ impl<'a> Evidence<'a> {
             FirstCause::ForceLimit { .. } => {
                 active > 0 && self.largest_force(index, i) > FULL * self.scenario.controller.limits.grf_n
             }
-            // At both sides of the cone is at its tip: no force at all.
-            FirstCause::Friction { .. } => active == 1,
+            // At both sides of the cone, in space at more than two of the pyramid, is at its tip: no force at all.
+            FirstCause::Friction { .. } => (1..=self.model.linear_axes().len() - 1).contains(&active),
             _ => active > 0,
         }
     }

@@ -532,6 +532,12 @@ pub const SETTINGS: &[Setting] = &[
         OURS,
         "Friction of the ground that the controller assumes where it is not told.",
     ),
+    setting(
+        "controller.friction_edges",
+        Valid::Integer { min: 3, max: 64 },
+        OURS,
+        "Edges of the pyramid inside the cone of friction that stands for it in the program; robots in space only.",
+    ),
     number(
         "controller.assumed_slope_deg",
         "deg",
@@ -764,18 +770,11 @@ pub const SETTINGS: &[Setting] = &[
         "Height above the ground below which a contact point touches it for the controller.",
     ),
     number(
-        "simulation.contact.penetration_recovery",
-        "",
-        [0.0, 1.0],
-        OURS,
-        "Share of a penetration that is undone in a step; law \"rigid\" only.",
-    ),
-    number(
         "simulation.contact.relaxation",
         "",
         [1e-3, 1.0],
         OURS,
-        "Relaxation factor of the sweeps of the contact solver; law \"rigid\" only.",
+        "Share by which the ground is raised each time under a contact that slips, where the contact solver has to do that; law \"rigid\" only.",
     )
     .called("alpha"),
     number(
@@ -783,13 +782,13 @@ pub const SETTINGS: &[Setting] = &[
         "N",
         [1e-12, 1e3],
         OURS,
-        "Largest change of an impulse, as a force, at which the sweeps of the contact solver end; law \"rigid\" only.",
+        "By how much an impulse, as a force, may miss the law of contact; law \"rigid\" only.",
     ),
     setting(
         "simulation.contact.max_sweeps",
         Valid::Integer { min: 1, max: 100_000 },
         OURS,
-        "Most sweeps of the contact solver in a step; law \"rigid\" only.",
+        "Linear solves after which the contact solver takes the impulses that miss the law least; law \"rigid\" only.",
     ),
     number(
         "simulation.contact.stiffness_npm",
