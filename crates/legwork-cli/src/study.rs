@@ -125,6 +125,14 @@ fn publish(study: &Study, store: &Store, folder: &Path, json: bool, output: &mut
                 endings.rollouts
             ));
         }
+        if endings.doubtful > 0 {
+            say(&format!(
+                "warning: {}: {} of {} rollouts broke bounds of the simulation; the column violations says which",
+                base.name(),
+                endings.doubtful,
+                endings.rollouts
+            ));
+        }
     }
     let summary = study_summary::json(&results)?;
     write_text(&folder.join("results.json"), &format!("{summary:#}\n"))?;

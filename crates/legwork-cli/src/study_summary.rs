@@ -55,6 +55,7 @@ fn sweep(results: &Results, base: usize, factor: usize) -> String {
             shown.iter().for_each(|&metric| {
                 let _ = write!(text, "{:>11}", row.metrics[metric].map_or("none".to_owned(), digits));
             });
+            text += if row.is_doubtful { "  broke bounds of the simulation" } else { "" };
         } else {
             let when = row.fell_at_s.map_or(String::new(), |time| format!(" at {time:.2} s"));
             let cause = row.cause.as_ref().map_or(String::new(), |cause| format!(": {cause}"));
@@ -152,6 +153,7 @@ pub(crate) fn json(results: &Results) -> Result<Value, Error> {
         scenario.insert("fell".into(), endings.fell.into());
         scenario.insert("invalid".into(), endings.invalid.into());
         scenario.insert("failed".into(), endings.failed.into());
+        scenario.insert("doubtful".into(), endings.doubtful.into());
         scenario.insert("causes".into(), json!(endings.causes));
         match study.design {
             Design::OneAtATime => {
@@ -205,6 +207,7 @@ fn sweep_json(results: &Results, base: usize, factor: usize) -> Value {
             SURVIVED: row.ending == Ending::Completed,
             "fell_at_s": row.fell_at_s,
             "cause": row.cause,
+            "doubtful": row.is_doubtful,
             "metrics": metrics.collect::<Map<_, _>>(),
         })
     };

@@ -5,7 +5,7 @@
 //! then the angular ones about the same axes (in the plane the one about y). Impulses on a foot are wrenches in the dual
 //! coordinates.
 //!
-//! All contacts are solved together, see [`Simultaneous`].
+//! All contacts are solved together: `simultaneous.rs`.
 
 use crate::settings::ContactSettings;
 use crate::simultaneous::Simultaneous;

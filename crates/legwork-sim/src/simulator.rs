@@ -355,7 +355,7 @@ impl Body {
         }
         self.audit.solve(velocity.report, settings.period_s);
         self.report = worse(self.report, velocity.report);
-        velocity.account(model, settings.period_s, moment, &mut self.audit, &mut self.forces);
+        velocity.account(model, settings, moment, &mut self.audit, &mut self.forces);
         self.v.copy_from_slice(&self.next_v);
         true
     }
@@ -432,7 +432,7 @@ impl Body {
         });
         self.audit.solve(velocity.report, settings.period_s);
         self.report = worse(self.report, velocity.report);
-        velocity.account(model, settings.period_s, moment, &mut self.audit, &mut self.forces);
+        velocity.account(model, settings, moment, &mut self.audit, &mut self.forces);
         model.integrate(&self.next_q, &self.next_v, dt - ahead, &mut self.q);
         self.v.copy_from_slice(&self.next_v);
         true

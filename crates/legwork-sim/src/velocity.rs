@@ -1,5 +1,5 @@
-//! The velocities after a step: `M (v⁺ - v) = dt (f - h) + Jᵀ λ`, with the contact impulses λ of Appendix A or of the
-//! spring-damper ground.
+//! The velocities after a step or an impact: `M (v⁺ - v) = dt (f - h) + Jᵀ λ`, with the contact impulses λ of rigid contact
+//! or of the spring-damper ground.
 //!
 //! With `M = Lᵀ L` and `Y = L⁻ᵀ Jᵀ`, where J are the twists of the feet: contacts act by `Yᵀ Y`, and
 //! `v⁺ = v + L⁻¹ (dt L⁻ᵀ (f - h) + Y F)`. A column of Y is nonzero only along its foot's chain.
@@ -326,6 +326,8 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
         self.report = Report::default();
         for (point, place) in self.contacts.points.iter_mut().zip(&self.places) {
             let velocity = point.velocity(&self.before[point.foot]);
+            // Its friction is against the velocity before.
+            point.target = [0.0; D];
             let gap = if place.slot == 0 { terrain.gap(&dynamics.contact_positions[place.contact]) } else { 0.0 };
             spring_damper::force(&settings.contact, point.friction, gap, &velocity, &mut point.impulse);
             point.impulse.iter_mut().for_each(|value| *value *= settings.period_s);
@@ -378,8 +380,16 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
     }
 
     /// Enters the contacts of a change of velocity into the books, adds their forces along the model's linear axes, as means over
-    /// `dt` [s], to `forces` [N], and remembers what they carried.
-    pub(super) fn account(&mut self, model: &Model, dt: f64, moment: Moment, audit: &mut Audit, forces: &mut [f64]) {
+    /// a step, to `forces` [N], and remembers what they carried.
+    pub(super) fn account(
+        &mut self,
+        model: &Model,
+        settings: &SimulationSettings,
+        moment: Moment,
+        audit: &mut Audit,
+        forces: &mut [f64],
+    ) {
+        let (dt, is_rigid) = (settings.period_s, settings.contact.model == ContactModel::Rigid);
         let (is_impact, time) = match moment {
             Moment::Impact { .. } => (true, 0.0),
             Moment::Step { period, .. } => (false, period),
@@ -391,7 +401,7 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
         for (point, place) in self.contacts.points.iter().zip(&self.places) {
             let before = point.velocity(&self.before[point.foot]);
             let after = point.velocity(&self.contacts.twist[point.foot]);
-            let motion: [f64; D] = std::array::from_fn(|i| after[i] - point.target[i]);
+            let motion = if is_rigid { std::array::from_fn(|i| after[i] - point.target[i]) } else { before };
             work += audit.contact(&place.surface, [dt, time], &point.impulse, [&before, &after], &motion);
             let mut force = Vector3::zeros();
             for (direction, impulse) in place.surface.directions().zip(&point.impulse) {

@@ -59,8 +59,18 @@ pub(super) struct FactorEntry {
 }
 
 /// Columns of the table of rollouts.
-const RESERVED: [&str; 9] =
-    ["rollout", "scenario", "ending", "cause", "reason", "input_hash", "result_hash", "survived", "fell_at_s"];
+const RESERVED: [&str; 10] = [
+    "rollout",
+    "scenario",
+    "ending",
+    "cause",
+    "reason",
+    "violations",
+    "input_hash",
+    "result_hash",
+    "survived",
+    "fell_at_s",
+];
 
 /// Whether two paths are the same or one leads into what the other holds.
 fn touches(a: &str, b: &str) -> bool {

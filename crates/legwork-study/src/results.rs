@@ -24,6 +24,8 @@ pub struct Row {
     pub fell_at_s: Option<f64>,
     /// The first cause of the fall.
     pub cause: Option<String>,
+    /// Whether the run broke bounds of the simulator's audit.
+    pub is_doubtful: bool,
     /// The study's metrics, in their order.
     pub metrics: Vec<Option<f64>>,
 }
@@ -52,6 +54,8 @@ pub struct Endings {
     pub invalid: usize,
     /// Failures of the program.
     pub failed: usize,
+    /// Runs, however they ended, that broke bounds of the simulator's audit.
+    pub doubtful: usize,
     /// Falls by their first cause.
     pub causes: BTreeMap<String, usize>,
 }
@@ -81,9 +85,9 @@ impl<'a> Results<'a> {
             .map(|metric| all.iter().position(|column| column.name == *metric).expect("metrics were checked"))
             .collect();
         let row = |(index, rollout): (usize, Result<Rollout, Error>)| {
-            let Rollout { ending, fell_at_s, cause, figures, .. } = rollout?;
+            let Rollout { ending, fell_at_s, cause, violations, figures, .. } = rollout?;
             let metrics = wanted.iter().map(|&column| figures.get(column).copied().flatten()).collect();
-            Ok(Row { index: index as u64, ending, fell_at_s, cause, metrics })
+            Ok(Row { index: index as u64, ending, fell_at_s, cause, is_doubtful: violations.is_some(), metrics })
         };
         let rows = rollouts.enumerate().map(row).collect::<Result<_, Error>>()?;
         let columns = wanted.iter().map(|&column| all[column].clone()).collect();
@@ -106,6 +110,7 @@ impl<'a> Results<'a> {
                 Ending::Invalid => endings.invalid += 1,
                 Ending::Failed => endings.failed += 1,
             }
+            endings.doubtful += usize::from(row.is_doubtful);
             if let Some(cause) = &row.cause {
                 *endings.causes.entry(cause.clone()).or_default() += 1;
             }
@@ -222,7 +227,7 @@ pub fn write_table(
     for (factor, &is_text) in study.factors.iter().zip(&texts) {
         columns.push(table::Column { name: factor.name.clone(), unit: factor.unit().to_owned(), is_text });
     }
-    columns.extend(["ending", "cause", "reason", "input_hash", "result_hash"].map(table::Column::text));
+    columns.extend(["ending", "cause", "reason", "violations", "input_hash", "result_hash"].map(table::Column::text));
     columns.extend([table::Column::number(SURVIVED, ""), table::Column::number("fell_at_s", "s")]);
     columns.extend(figures.iter().map(|figure| table::Column::number(&figure.name, figure.unit)));
     let metadata = [("study", study.to_toml().to_owned()), ("identity", format!("{:032x}", study.identity()))];
@@ -236,7 +241,12 @@ pub fn write_table(
             Some(level) => Cell::Text(level.to_string()),
         }));
         let text = |text: &Option<String>| text.clone().map_or(Cell::Empty, Cell::Text);
-        cells.extend([rollout.ending.name().into(), text(&rollout.cause), text(&rollout.reason)]);
+        cells.extend([
+            rollout.ending.name().into(),
+            text(&rollout.cause),
+            text(&rollout.reason),
+            text(&rollout.violations),
+        ]);
         cells.extend([rollout.input_hash.as_str().into(), rollout.result_hash.as_str().into()]);
         cells.extend([f64::from(u8::from(rollout.survived())).into(), rollout.fell_at_s.into()]);
         cells.extend((0..figures.len()).map(|figure| rollout.figures.get(figure).copied().flatten().into()));

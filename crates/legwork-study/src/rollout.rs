@@ -47,6 +47,8 @@ pub struct Rollout {
     pub cause: Option<String>,
     /// Why it fell or could not be run, in a sentence.
     pub reason: Option<String>,
+    /// Bounds of the simulator's audit that the run broke, in words; nothing where it kept them.
+    pub violations: Option<String>,
     /// The figures in the order of [`columns`]; empty where it could not be run.
     pub figures: Vec<Option<f64>>,
     /// Hash of all that went in, in hexadecimal digits.
@@ -73,6 +75,7 @@ impl Rollout {
             fell_at_s: None,
             cause: None,
             reason: Some(reason),
+            violations: None,
             figures: Vec::new(),
             input_hash,
             result_hash,
@@ -90,6 +93,7 @@ impl Rollout {
             fell_at_s,
             cause: run.diagnosis.as_ref().map(|diagnosis| diagnosis.cause.label().to_owned()),
             reason: run.reason.clone(),
+            violations: Some(run.violations().join("; ")).filter(|text| !text.is_empty()),
             figures: figures(&run.metrics),
             input_hash: format!("{:032x}", run.input_hash),
             result_hash: format!("{:032x}", run.result_hash),

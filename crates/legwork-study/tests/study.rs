@@ -325,6 +325,7 @@ fn results_count_endings_and_take_quantiles() {
         fell_at_s: (index == 1).then_some(0.3),
         cause: (index == 1).then(|| "friction".to_owned()),
         reason: None,
+        violations: None,
         figures: study.columns().iter().map(|c| (c.name == "torque_nm.mean").then_some(index as f64)).collect(),
         input_hash: String::new(),
         result_hash: String::new(),

@@ -21,6 +21,27 @@ fn small(name: &str) -> Folder {
 }
 
 #[test]
+fn a_study_of_a_ground_that_gives_way_counted_as_if_nothing_were_wrong() {
+    let folder = Folder::new("doubtful");
+    folder.file(
+        "soft.toml",
+        "scenarios = [\"walk-spring-damper\", \"walk\"]\ndesign = \"grid\"\n[set]\nduration_s = 1.5\n\
+         [[factors]]\npath = \"seed\"\nlist = [0, 1]\n",
+    );
+    let done = folder.legwork(&["study", "soft.toml", "--json"]).succeeds();
+    let said =
+        "warning: walk-spring-damper: 2 of 2 rollouts broke bounds of the simulation; the column violations says which";
+    assert!(done.err.contains(said) && !done.err.contains("warning: walk:"), "{}", done.err);
+    let result: Value = serde_json::from_str(&done.out).unwrap();
+    let doubtful = [0, 1].map(|scenario: usize| result["scenarios"][scenario]["doubtful"].as_u64().unwrap());
+    assert_eq!(doubtful, [2, 0]);
+    let table = folder.text("legwork-soft/rollouts.csv");
+    let rows: Vec<&str> = table.lines().filter(|line| line.contains("penetration of the ground")).collect();
+    assert!(rows.len() == 2 && rows.iter().all(|row| row.contains("walk-spring-damper")), "{table}");
+    assert!(folder.text("legwork-soft/report.html").contains("bounds broken"));
+}
+
+#[test]
 fn a_study_leaves_tables_figures_and_a_page() {
     let folder = small("study");
     let [result] = &folder.json(&["study", "small.toml", "--json"])[..] else { panic!("one object a study") };
@@ -38,9 +59,9 @@ fn a_study_leaves_tables_figures_and_a_page() {
     assert_eq!(serde_json::from_str::<Value>(&at("results.json")).unwrap(), *result);
     let csv = at("rollouts.csv");
     assert_eq!(csv.lines().count(), 9);
-    assert!(
-        csv.starts_with("rollout,scenario,torque [Nm],ending,cause,reason,input_hash,result_hash,survived,fell_at_s")
-    );
+    assert!(csv.starts_with(
+        "rollout,scenario,torque [Nm],ending,cause,reason,violations,input_hash,result_hash,survived,fell_at_s"
+    ));
     let page = at("report.html");
     assert!(page.contains("</html>") && page.contains("Study: small") && !page.contains("NaN"));
     assert!(!page.contains("http://") && !page.contains("https://"), "the page loads nothing");

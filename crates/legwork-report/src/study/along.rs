@@ -323,7 +323,7 @@ mod tests {
         let row = |index: u64| {
             let stood = level(index) < 0.5 * seeds as f64;
             let ending = if stood { Ending::Completed } else { Ending::Fell };
-            Row { index, ending, fell_at_s: None, cause: None, metrics: vec![Some(level(index))] }
+            Row { index, ending, fell_at_s: None, cause: None, is_doubtful: false, metrics: vec![Some(level(index))] }
         };
         assert!(matches!(study.factors[0].levels, Levels::List(_)));
         let columns = study.columns().into_iter().filter(|column| column.name == "torque_nm.mean").collect();
@@ -354,7 +354,14 @@ mod tests {
             let levels = study.point(index).levels;
             let [speed, seed] = [0, 1].map(|k| levels[k].as_ref().and_then(Level::number).expect("a number"));
             let ending = if speed > 0.9 && seed > 2.5 { Ending::Fell } else { Ending::Completed };
-            Row { index, ending, fell_at_s: None, cause: None, metrics: vec![Some(10.0 * speed + seed)] }
+            Row {
+                index,
+                ending,
+                fell_at_s: None,
+                cause: None,
+                is_doubtful: false,
+                metrics: vec![Some(10.0 * speed + seed)],
+            }
         };
         let columns = study.columns().into_iter().filter(|column| column.name == "torque_nm.mean").collect();
         let results = Results { study: &study, rows: (0..study.len()).map(row).collect(), columns };

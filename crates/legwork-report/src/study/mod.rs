@@ -84,7 +84,7 @@ pub fn page(results: &Results) -> Result<Page, Error> {
 
 /// How many fell, and of what.
 pub fn endings(endings: &Endings) -> String {
-    let Endings { rollouts, completed, fell, invalid, failed, causes } = endings;
+    let Endings { rollouts, completed, fell, invalid, failed, doubtful, causes } = endings;
     let mut text = format!("{completed} of {rollouts} on their feet to the end");
     if *fell > 0 {
         let mut causes: Vec<_> = causes.iter().collect();
@@ -95,7 +95,12 @@ pub fn endings(endings: &Endings) -> String {
             let _ = write!(text, " ({})", causes.join(", "));
         }
     }
-    for (count, what) in [(invalid, "could not be run"), (failed, "failed by a defect of the program")] {
+    let others = [
+        (invalid, "could not be run"),
+        (failed, "failed by a defect of the program"),
+        (doubtful, "broke bounds of the simulation"),
+    ];
+    for (count, what) in others {
         if *count > 0 {
             let _ = write!(text, ", {count} {what}");
         }
@@ -123,13 +128,13 @@ const FALL_NOTE: &str = "A cross marks a fall; the figures of a run that fell ar
 fn survival(results: &Results) -> Markup {
     html! {
         div.scroll { table {
-            thead { tr { th.left { "scenario" } th { "rollouts" } th { "stood" } th { "fell" } th { "could not be run" } th { "defects" } th { "share that stood" } } }
+            thead { tr { th.left { "scenario" } th { "rollouts" } th { "stood" } th { "fell" } th { "could not be run" } th { "defects" } th { "bounds broken" } th { "share that stood" } } }
             tbody {
                 @for (number, base) in results.study.bases.iter().enumerate() {
                     @let e = results.endings(number);
                     tr {
                         th scope="row" { (base.name()) }
-                        td { (e.rollouts) } td { (e.completed) } td { (e.fell) } td { (e.invalid) } td { (e.failed) }
+                        td { (e.rollouts) } td { (e.completed) } td { (e.fell) } td { (e.invalid) } td { (e.failed) } td { (e.doubtful) }
                         td { (format!("{:.1} %", 100.0 * e.completed as f64 / e.rollouts.max(1) as f64)) }
                     }
                 }
