@@ -313,6 +313,21 @@ mod tests {
     }
 
     #[test]
+    fn the_residual_that_is_told_was_that_of_other_impulses() {
+        let settings = SimulationSettings::default().contact;
+        for k in 0..200 {
+            let mut solver = loaded_foot();
+            solver.points.iter_mut().for_each(|point| point.impulse = [0.0, 0.0, 0.1]);
+            let warp = 1e-10 * libm::pow(1e5, f64::from(k) / 200.0);
+            (solver.points[0].target[0], solver.points[3].target[1]) = (warp, -warp);
+            (solver.points[0].target[2], solver.points[3].target[2]) = (warp, 0.3 * warp);
+            let report = solver.solve(&mut Simultaneous::new(4, 1), 1e-9, &settings);
+            let held = solver.residual();
+            assert!((held - report.residual).abs() <= 1e-9 * held, "{warp}: {held} and {report:?}");
+        }
+    }
+
+    #[test]
     fn arms_carry_velocities_and_impulses_alike() {
         // Power is the same at the point and at the foot: λ · v = wrench · twist.
         let (twist, arm, impulse) = ([0.1, -0.2, 0.3, 0.4, -0.5, 0.6], [0.7, -0.8, 0.9], [1.0, 2.0, -3.0]);
