@@ -147,8 +147,6 @@ impl Default for Ground {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Terrain {
     plane: Surface,
-    /// The plane as a piece of ground.
-    whole: Piece,
     relief: Relief,
     /// `[from, to, friction]`
     patches: Vec<[f64; 3]>,
@@ -169,10 +167,7 @@ struct Relief {
 impl Terrain {
     /// A plane through the world's origin as `model` meets it; `slopes` upward in x and in y [rad].
     pub fn plane(model: &Model, friction: f64, slopes: [f64; 2]) -> Self {
-        let plane = Surface::new(model, friction, slopes);
-        let line = Line { steepness: plane.steepness()[0], ..Line::default() };
-        let whole = Piece { ends: [f64::NEG_INFINITY, f64::INFINITY], line, normal: plane.normal };
-        Self { plane, whole, relief: Relief::default(), patches: Vec::new() }
+        Self { plane: Surface::new(model, friction, slopes), relief: Relief::default(), patches: Vec::new() }
     }
 
     /// The true ground, as `model` meets it; `seed` is that of its unevenness.
@@ -202,7 +197,7 @@ impl Terrain {
         if !ground.relief_known {
             return plane;
         }
-        Self { plane: plane.plane, whole: plane.whole, ..Self::of(ground, seed, model) }
+        Self { plane: plane.plane, ..Self::of(ground, seed, model) }
     }
 
     /// Its plane.
@@ -232,11 +227,7 @@ impl Terrain {
 
     /// Unit normal, out of the ground, at `(x, y)` [m]; it is the same along y.
     pub fn normal_at(&self, x: f64, _y: f64) -> Vector3<f64> {
-        if self.is_even() {
-            self.plane.normal
-        } else {
-            self.plane.inclined(libm::atan(self.steepness_between([x, x]))).normal
-        }
+        self.piece_at(x).normal
     }
 
     /// Coefficient of friction at `(x, y)` [m]; it is the same along y.
@@ -276,6 +267,10 @@ impl Terrain {
 
     /// The straight piece of ground below or above `x` [m].
     fn piece_at(&self, x: f64) -> Piece {
+        if self.is_even() {
+            let line = Line { steepness: self.plane.steepness()[0], ..Line::default() };
+            return Piece { ends: [f64::NEG_INFINITY, f64::INFINITY], line, normal: self.plane.normal };
+        }
         let stretch = self.relief.stretch(x);
         let [along, across] = self.plane.steepness();
         let slope = [along + stretch.steepness, across];
@@ -287,16 +282,9 @@ impl Terrain {
     /// The pieces of ground that `point` may meet [m]: the one below it, and where the ground rises from that to a neighbour
     /// that has the point beside it, the nearer such neighbour.
     pub fn pieces_near(&self, point: &Vector3<f64>) -> [Option<Piece>; 2] {
-        if self.is_even() {
-            return [Some(self.whole), None];
-        }
         let below = self.piece_at(point.x);
         let beside = |end: usize| {
-            let knot = below.ends[end];
-            if !knot.is_finite() {
-                return None;
-            }
-            let other = self.piece_at(if end == 0 { knot.next_down() } else { knot });
+            let other = self.beside(&below, end)?;
             // In a hollow both pieces bound the point; beyond the far end of its neighbour it passes over that.
             let bend = other.line.steepness - below.line.steepness;
             let hollow = if end == 0 { bend < 0.0 } else { bend > 0.0 };
@@ -326,28 +314,22 @@ impl Terrain {
             let at = piece.gap(point).max(0.0) / speed;
             (at < time && !known(piece)).then_some(at)
         };
-        if self.is_even() {
-            return meets(&self.whole);
-        }
         // From piece to piece along the way.
         let mut piece = self.piece_at(point.x);
         loop {
-            let leaves = if velocity.x > 0.0 {
-                (piece.ends[1] - point.x) / velocity.x
-            } else if velocity.x < 0.0 {
-                (piece.ends[0] - point.x) / velocity.x
-            } else {
-                f64::INFINITY
-            };
+            let end = usize::from(velocity.x > 0.0);
+            let leaves = if velocity.x == 0.0 { f64::INFINITY } else { (piece.ends[end] - point.x) / velocity.x };
             if let Some(at) = meets(&piece).filter(|&at| at <= leaves) {
                 return Some(at);
             }
-            if leaves >= time {
-                return None;
-            }
-            let end = piece.ends[usize::from(velocity.x > 0.0)];
-            piece = self.piece_at(if velocity.x > 0.0 { end } else { end.next_down() });
+            piece = (leaves < time).then(|| self.beside(&piece, end)).flatten()?;
         }
+    }
+
+    /// The piece that begins or ends where `piece` has its `end`: 0 for the one before it, 1 for the one after it.
+    fn beside(&self, piece: &Piece, end: usize) -> Option<Piece> {
+        let knot = piece.ends[end];
+        knot.is_finite().then(|| self.piece_at(if end == 0 { knot.next_down() } else { knot }))
     }
 
     /// What a contact point at `point` [m] meets on `piece`.

@@ -82,9 +82,7 @@ impl Dof {
             body: 0,
         }
     }
-}
 
-impl Dof {
     /// Its range [rad or m]; where one end is missing half a turn, or a metre, from the other. None where both are missing.
     #[must_use]
     pub fn usual_range(&self) -> Option<[f64; 2]> {

@@ -36,7 +36,7 @@ pub(super) struct Point<const D: usize, const K: usize> {
     /// λ [Ns]; also the first guess.
     pub(super) impulse: [f64; D],
     /// Normal velocity for a unit normal impulse [1/kg].
-    gain: f64,
+    pub(super) gain: f64,
 }
 
 /// A contact problem and its solution, all preallocated.
@@ -58,11 +58,6 @@ impl<const D: usize, const K: usize> Point<D, K> {
     /// A point at `arm` [m] of `foot`.
     pub(super) fn new(foot: usize, arm: [f64; D], friction: f64) -> Self {
         Self { foot, friction, turn: None, arm, target: [0.0; D], impulse: [0.0; D], gain: 0.0 }
-    }
-
-    /// Normal velocity for a unit normal impulse [1/kg].
-    pub(super) fn normal_gain(&self) -> f64 {
-        self.gain
     }
 
     /// Its velocity where the foot's is `twist`.
@@ -100,11 +95,27 @@ impl<const D: usize, const K: usize> Point<D, K> {
         let mut next: [f64; D] = std::array::from_fn(|i| self.impulse[i] - motion[i] / self.gain);
         next[n] = next[n].max(0.0);
         let limit = self.friction * self.impulse[n].max(0.0);
-        let tangent = next[..n].iter().map(|value| value * value).sum::<f64>().sqrt();
+        let tangent = norm(&next[..n]);
         if tangent > limit {
             next[..n].iter_mut().for_each(|value| *value *= limit / tangent);
         }
         (0..D).map(|i| (next[i] - self.impulse[i]).abs()).fold(0.0, f64::max)
+    }
+}
+
+pub(super) fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|value| value * value).sum::<f64>().sqrt()
+}
+
+pub(super) fn unit<const D: usize>(index: usize) -> [f64; D] {
+    std::array::from_fn(|i| if i == index { 1.0 } else { 0.0 })
+}
+
+/// `sum += more`
+#[inline]
+pub(super) fn add<const K: usize>(sum: &mut [f64; K], more: &[f64; K]) {
+    for i in 0..K {
+        sum[i] += more[i];
     }
 }
 
@@ -167,10 +178,8 @@ impl<const D: usize, const K: usize> ContactSolver<D, K> {
     pub(super) fn prepare(&mut self) {
         let feet = self.free.len();
         for point in &mut self.points {
-            let mut normal = [0.0; D];
-            normal[D - 1] = 1.0;
             let mut twist = [0.0; K];
-            add_product(&self.coupling[point.foot * (feet + 1)], &point.wrench(&normal), &mut twist);
+            add_product(&self.coupling[point.foot * (feet + 1)], &point.wrench(&unit(D - 1)), &mut twist);
             point.gain = point.velocity(&twist)[D - 1];
         }
     }
@@ -179,11 +188,7 @@ impl<const D: usize, const K: usize> ContactSolver<D, K> {
     pub(super) fn load(&mut self) {
         self.total.fill([0.0; K]);
         for point in &self.points {
-            let wrench = point.wrench(&point.impulse);
-            let total = &mut self.total[point.foot];
-            for i in 0..K {
-                total[i] += wrench[i];
-            }
+            add(&mut self.total[point.foot], &point.wrench(&point.impulse));
         }
         for foot in 0..self.free.len() {
             let response = self.response(foot, &self.total);

@@ -1,11 +1,12 @@
-//! The simulator: from torques to the next state, with rigid contacts (Appendix A) or a spring-damper ground.
+//! The simulator: from torques to the next state, with rigid contacts or a spring-damper ground.
 //!
 //! It knows nothing of the controller. What a run asks of it is a [`Plant`]; another physics is whatever implements that.
 
 pub mod actuators;
 pub mod audit;
 pub mod batch;
-pub mod contact_solver;
+pub mod contact_law;
+mod contact_solver;
 mod elastic;
 pub mod model_error;
 mod plant;

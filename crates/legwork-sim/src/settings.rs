@@ -157,7 +157,7 @@ pub enum Integrator {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactModel {
-    /// Impulses by the per-contact iteration of Appendix A.
+    /// Impulses by the laws of Signorini and Coulomb.
     Rigid,
     /// The spring-damper that the thesis argues against (3.3).
     SpringDamper,

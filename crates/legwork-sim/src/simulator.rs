@@ -353,11 +353,18 @@ impl Body {
         if !in_bounds(&self.next_v) {
             return false;
         }
-        self.audit.solve(velocity.report, settings.period_s);
-        self.report = worse(self.report, velocity.report);
-        velocity.account(model, settings, moment, &mut self.audit, &mut self.forces);
-        self.v.copy_from_slice(&self.next_v);
+        self.enter(velocity, moment);
         true
+    }
+
+    /// Enters what the contacts did in a change of velocity, and makes it.
+    fn enter<const D: usize, const K: usize>(&mut self, velocity: &mut VelocityStep<D, K>, moment: Moment) {
+        let (report, so_far) = (velocity.report, self.report);
+        self.report =
+            Report { sweeps: so_far.sweeps.max(report.sweeps), residual: so_far.residual.max(report.residual) };
+        self.audit.solve(report, self.settings.period_s);
+        velocity.account(&self.model, &self.settings, moment, &mut self.audit, &mut self.forces);
+        self.v.copy_from_slice(&self.next_v);
     }
 
     /// Advances the state from the time `gone` [s] after the step's begin by `dt` [s].
@@ -430,18 +437,10 @@ impl Body {
             push_force: &self.push_force,
             gravity: model.gravity,
         });
-        self.audit.solve(velocity.report, settings.period_s);
-        self.report = worse(self.report, velocity.report);
-        velocity.account(model, settings, moment, &mut self.audit, &mut self.forces);
-        model.integrate(&self.next_q, &self.next_v, dt - ahead, &mut self.q);
-        self.v.copy_from_slice(&self.next_v);
+        self.model.integrate(&self.next_q, &self.next_v, dt - ahead, &mut self.q);
+        self.enter(velocity, moment);
         true
     }
-}
-
-/// The most sweeps and the largest residual of both.
-fn worse(a: Report, b: Report) -> Report {
-    Report { sweeps: a.sweeps.max(b.sweeps), residual: a.residual.max(b.residual) }
 }
 
 /// Whether velocities are numbers that physics could have made.

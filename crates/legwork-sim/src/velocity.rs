@@ -103,6 +103,11 @@ struct Memory<const D: usize> {
     rests: bool,
 }
 
+/// What a contact point did on `piece` in the step before, if it met that.
+fn remembered<'a, const D: usize>(memory: &'a [Option<Memory<D>>; 2], piece: &Piece) -> Option<&'a Memory<D>> {
+    memory.iter().flatten().find(|memory| memory.begin == piece.ends[0])
+}
+
 /// A contact point on a piece of ground.
 #[derive(Clone, Copy, Debug)]
 struct Place {
@@ -111,6 +116,8 @@ struct Place {
     slot: usize,
     surface: Surface,
     begin: f64,
+    /// Its distance from the piece [m].
+    gap: f64,
     /// It rests, or meets the ground now, and has no gap left to close.
     rests: bool,
 }
@@ -161,8 +168,7 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
     pub(super) fn landing(&self, terrain: &Terrain, dynamics: &Dynamics, time: f64) -> Option<f64> {
         let mut first = None;
         for ((position, &foot), memory) in dynamics.contact_positions.iter().zip(&self.foot_of).zip(&self.memory) {
-            let rests =
-                |piece: &Piece| memory.iter().flatten().any(|memory| memory.rests && memory.begin == piece.ends[0]);
+            let rests = |piece: &Piece| remembered(memory, piece).is_some_and(|memory| memory.rests);
             let velocity = dynamics.motion_at(self.feet[foot].body, position).linear;
             let at = terrain.landing(position, &velocity, first.unwrap_or(time), SLOW, rests);
             first = at.or(first);
@@ -207,7 +213,7 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
                 self.contacts.prepare();
                 self.together.forget();
             }
-            ContactModel::SpringDamper => self.spring(settings, dynamics, terrain),
+            ContactModel::SpringDamper => self.spring(settings),
         }
         true
     }
@@ -257,7 +263,7 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
             let (sin, cos) = libm::sincos(surface.turn - terrain.base().turn);
             point.turn = (sin != 0.0).then_some([cos, sin]);
         }
-        let known = self.memory[contact].iter().flatten().find(|memory| memory.begin == piece.ends[0]);
+        let known = remembered(&self.memory[contact], piece);
         let closes = self.feet[foot].rest.is_some_and(|rest| rest.closes);
         let rests = match moment {
             Moment::Impact { .. } => true,
@@ -284,7 +290,7 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
                 *normal -= (gap + *normal * ahead * ahead / period) / pace;
             }
         }
-        self.places.push(Place { contact, slot, surface, begin: piece.ends[0], rests });
+        self.places.push(Place { contact, slot, surface, begin: piece.ends[0], gap, rests });
         self.contacts.points.push(point);
     }
 
@@ -322,13 +328,14 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
     }
 
     /// Impulses of the spring-damper ground over the step (thesis 3.3).
-    fn spring(&mut self, settings: &SimulationSettings, dynamics: &Dynamics, terrain: &Terrain) {
+    fn spring(&mut self, settings: &SimulationSettings) {
         self.report = Report::default();
         for (point, place) in self.contacts.points.iter_mut().zip(&self.places) {
             let velocity = point.velocity(&self.before[point.foot]);
             // Its friction is against the velocity before.
             point.target = [0.0; D];
-            let gap = if place.slot == 0 { terrain.gap(&dynamics.contact_positions[place.contact]) } else { 0.0 };
+            // It pushes out of the piece below alone.
+            let gap = if place.slot == 0 { place.gap } else { 0.0 };
             spring_damper::force(&settings.contact, point.friction, gap, &velocity, &mut point.impulse);
             point.impulse.iter_mut().for_each(|value| *value *= settings.period_s);
         }

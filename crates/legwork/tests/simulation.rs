@@ -130,10 +130,8 @@ fn a_box_in_space_sticks_and_slides_as_in_the_plane() {
         let expected = (9.81 * (slope.sin() - friction * slope.cos()) * 0.5).max(0.0);
         let velocity = simulator.dynamics().com_velocity;
         let along = -velocity.x * slope.cos() - velocity.z * slope.sin();
-        // Appendix A takes the edge of least energy, which does not oppose the slip exactly where normal and tangent are
-        // coupled: in space the box loses half a percent of its friction to sideways forces that cancel.
-        assert!((along - expected).abs() < 1e-3, "friction {friction}: {along} m/s, expected {expected}");
-        assert!(velocity.y.abs() < 1e-6, "no sideways motion: {}", velocity.y);
+        assert!((along - expected).abs() < 1e-9, "friction {friction}: {along} m/s, expected {expected}");
+        assert!(velocity.y.abs() < 1e-12, "no sideways motion: {}", velocity.y);
         assert_eq!(simulator.audit().violations(), Vec::<String>::new());
     }
 }

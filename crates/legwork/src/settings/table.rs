@@ -775,8 +775,7 @@ pub const SETTINGS: &[Setting] = &[
         [1e-3, 1.0],
         OURS,
         "Share by which the ground is raised each time under a contact that slips, where the contact solver has to do that; law \"rigid\" only.",
-    )
-    .called("alpha"),
+    ),
     number(
         "simulation.contact.tolerance_n",
         "N",
@@ -788,7 +787,7 @@ pub const SETTINGS: &[Setting] = &[
         "simulation.contact.max_sweeps",
         Valid::Integer { min: 1, max: 100_000 },
         OURS,
-        "Linear solves after which the contact solver takes the impulses that miss the law least; law \"rigid\" only.",
+        "Linear solves after which the contact solver makes no further attempt and takes the impulses that miss the law least; law \"rigid\" only.",
     ),
     number(
         "simulation.contact.stiffness_npm",
