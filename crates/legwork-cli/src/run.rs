@@ -33,6 +33,9 @@ pub(crate) fn run(options: &RunArgs, output: &mut Output) -> Result<ExitCode, Fa
         for violation in run.violations() {
             say(&format!("warning: {}: the simulation broke its own bounds: {violation}", run.scenario.name));
         }
+        for passed in &run.limits_passed {
+            say(&format!("warning: {}: {passed}", run.scenario.name));
+        }
         if let (Some(path), Some(error)) = (&job.log, without_log) {
             return Err(job.without_log(path, error));
         }

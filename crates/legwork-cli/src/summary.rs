@@ -107,6 +107,7 @@ pub(crate) fn json(run: &Run) -> Value {
         "result_hash": format!("{:032x}", run.result_hash),
         "metrics": metrics(&run.metrics),
         "audit": run.audit.as_ref().map(audit),
+        "limits_passed": run.limits_passed,
         "qp": {
             "solves": qp.solves,
             "infeasible": qp.infeasible,

@@ -4,6 +4,14 @@ use legwork_rbd::Model;
 
 use crate::error::Error;
 
+/// The largest magnitude of a position, a velocity or a load that a controller takes in [m, rad, m/s, rad/s, N]: what is beyond it is
+/// no state of a robot.
+pub const MOST: f64 = 1e6;
+
+fn is_sound(value: f64) -> bool {
+    value.abs() <= MOST
+}
+
 /// What a controller is told of the robot in a tick. Whoever runs the controller provides it: the simulator through its
 /// sensors, a real robot through a state estimator.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,8 +19,9 @@ pub struct Sensed {
     /// Time since the run began [s]. It increases from tick to tick; generators take their durations from it.
     pub time: f64,
     /// Joint positions (nq) [rad, m], of a floating base a unit quaternion and a position. A delay or an error is the
-    /// controller's to bear; lengths that are not the model's and numbers that are not finite are refused by
-    /// [`Sensed::check`], and a controller that meets them nevertheless holds the torques of the tick before.
+    /// controller's to bear; lengths that are not the model's and numbers that are not sound are refused by
+    /// [`Sensed::check`]. A controller that meets them nevertheless refuses the sample: it holds the torques of the tick before, says
+    /// so in its report of the tick, and goes on with the next.
     pub q: Vec<f64>,
     /// Joint velocities (nv) [rad/s, m/s], under the same terms.
     pub v: Vec<f64>,
@@ -23,12 +32,13 @@ pub struct Sensed {
 /// What a contact point feels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSensed {
-    /// Whether it touches the ground. The simulator says so below a height, `simulation.contact.flag_height_m`; a robot
-    /// above a pressure. Only where it does may the controller press on it: a false `true` lets the robot push on air, a
-    /// false `false` takes a support from it.
+    /// Whether it touches the ground: it is no higher than some millimetres, or bears more than some newtons. The simulator says so
+    /// below a height, `simulation.contact.flag_height_m`, or above a force (`simulation.sensors`); a robot above a pressure. A
+    /// `false` where it stands is borne as long as the point stays where it was (`controller.lift_height_m`).
     pub touching: bool,
     /// Vertical force on it [N], the mean of the control period before; zero in the first tick. Generators that wait for a
-    /// touchdown compare it with a force of some 20 N. Where nothing measures it, the weight over the points that touch will do.
+    /// touchdown compare it with a force of some 20 N. Where nothing measures it, zero on all points will do: the points that
+    /// touch then share the weight.
     pub load: f64,
 }
 
@@ -51,14 +61,15 @@ impl Sensed {
         }
     }
 
-    /// Whether its lengths are those of `model` and all its numbers are finite. Allocates nothing.
+    /// Whether its lengths are those of `model` and all its numbers are sound: finite, and but for the time at most [`MOST`].
+    /// Allocates nothing.
     pub fn fits(&self, model: &Model) -> bool {
         let sizes = [self.q.len(), self.v.len(), self.contacts.len()] == [model.nq(), model.nv(), model.contacts.len()];
-        sizes && self.time.is_finite() && self.values().all(f64::is_finite)
+        sizes && self.time.is_finite() && self.values().all(is_sound)
     }
 
     /// # Errors
-    /// A length that is not that of `model`, or a number that is not finite, by the name of its field.
+    /// A length that is not that of `model`, or a number that is not sound, by the name of its field.
     pub fn check(&self, model: &Model) -> Result<(), Error> {
         let sizes = [
             ("q", self.q.len(), model.nq()),
@@ -72,10 +83,13 @@ impl Sensed {
         let names = model.q_names().into_iter().map(|name| format!("q of {name}"));
         let names = names.chain(model.v_names().into_iter().map(|name| format!("v of {name}")));
         let names = names.chain(model.contacts.iter().map(|contact| format!("load of {}", contact.name)));
-        let named = names.zip(self.values()).chain([("time".to_owned(), self.time)]);
-        match named.into_iter().find(|(_, value)| !value.is_finite()) {
+        if !self.time.is_finite() {
+            return Err(Error::invalid("sensed", format!("found time = {}; valid are finite numbers", self.time)));
+        }
+        match names.zip(self.values()).find(|(_, value)| !is_sound(*value)) {
             Some((name, value)) => {
-                Err(Error::invalid("sensed", format!("found {name} = {value}; valid are finite numbers")))
+                let problem = format!("found {name} = {value}; valid are finite numbers of at most {MOST:e}");
+                Err(Error::invalid("sensed", problem))
             }
             None => Ok(()),
         }

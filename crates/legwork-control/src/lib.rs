@@ -4,6 +4,7 @@
 //! folder: what is sensed goes through [`generator`] (where centre of mass, torso and feet should be), [`planner`] (which
 //! momentum rate and accelerations that asks for) and [`momentum`] (which accelerations, forces and torques come closest).
 
+pub mod contacts;
 pub mod controller;
 pub mod generator;
 pub mod hold;

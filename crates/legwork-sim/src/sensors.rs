@@ -1,4 +1,4 @@
-//! What the controller is told: the state, late and noisy where the scenario says so.
+//! What the controller is told: the state and the contacts, late, noisy or in part where the scenario says so.
 
 use std::collections::VecDeque;
 
@@ -7,7 +7,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 
-use crate::settings::SensorSettings;
+use crate::settings::{ContactFlag, Loads, SensorSettings};
 use legwork_contract::contract::Sensed;
 
 /// Sensors with their delay line and noise.
@@ -15,7 +15,10 @@ use legwork_contract::contract::Sensed;
 pub struct Sensors {
     settings: SensorSettings,
     model: Model,
+    /// What was read, the oldest first: that old are the forces that are told.
     line: VecDeque<Sensed>,
+    /// The one of them that the state is told of.
+    state: usize,
     noise: Vec<f64>,
     measured: Vec<f64>,
     random: Pcg64Mcg,
@@ -24,11 +27,12 @@ pub struct Sensors {
 impl Sensors {
     /// Sensors that are read every `period` [s], beginning with `start`.
     pub fn new(settings: &SensorSettings, model: &Model, period: f64, seed: u64, start: &Sensed) -> Self {
-        let ticks = (settings.delay_s / period).round() as usize;
+        let [all, loads] = [settings.delay_s, settings.load_delay_s].map(|delay| (delay / period).round() as usize);
         Self {
             settings: settings.clone(),
             model: model.clone(),
-            line: std::iter::repeat_n(start.clone(), ticks + 1).collect(),
+            line: std::iter::repeat_n(start.clone(), all + loads + 1).collect(),
+            state: loads,
             noise: vec![0.0; model.nv()],
             measured: vec![0.0; model.nq()],
             random: Pcg64Mcg::seed_from_u64(seed),
@@ -40,8 +44,14 @@ impl Sensors {
         let mut slot = self.line.pop_front().expect("the delay line is never empty");
         copy(truth, &mut slot);
         self.line.push_back(slot);
-        copy(&self.line[0], estimate);
+        copy(&self.line[self.state], estimate);
         estimate.time = truth.time;
+        for (told, then) in estimate.contacts.iter_mut().zip(&self.line[0].contacts) {
+            told.load = if self.settings.loads == Loads::Measured { then.load } else { 0.0 };
+            if self.settings.flag == ContactFlag::Force {
+                told.touching = then.load > self.settings.flag_force_n;
+            }
+        }
         if self.settings.position_noise > 0.0 {
             self.draw(self.settings.position_noise);
             self.model.integrate(&estimate.q, &self.noise, 1.0, &mut self.measured);

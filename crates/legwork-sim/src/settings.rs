@@ -51,15 +51,43 @@ pub struct SensorSettings {
     pub position_noise: f64,
     /// Standard deviation of each velocity [rad/s or m/s].
     pub velocity_noise: f64,
-    /// Delay of the state [s].
+    /// Delay of all that is sensed [s].
     pub delay_s: f64,
+    /// What raises the flag of a contact point.
+    pub flag: ContactFlag,
+    /// The vertical force above which a flag made of forces is up [N].
+    pub flag_force_n: f64,
+    /// Whether the forces on contact points are measured.
+    pub loads: Loads,
+    /// Delay of the measured forces, and of flags that are made of them, beside that of the state [s].
+    pub load_delay_s: f64,
 }
 
 impl SensorSettings {
-    /// Whether the controller is told the true state.
+    /// Whether the controller is told the true positions and velocities.
     pub fn are_ideal(&self) -> bool {
         self.position_noise == 0.0 && self.velocity_noise == 0.0 && self.delay_s == 0.0
     }
+}
+
+/// What raises the flag that says that a contact point touches the ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ContactFlag {
+    /// Its height above the ground is at most `simulation.contact.flag_height_m`.
+    Gap,
+    /// The vertical force on it is more than `simulation.sensors.flag_force_n`.
+    Force,
+}
+
+/// Whether the forces on contact points are measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Loads {
+    /// The controller is told them.
+    Measured,
+    /// It is not.
+    None,
 }
 
 /// Actuators: ideal by default.
@@ -179,7 +207,15 @@ impl Default for SimulationSettings {
                 damping_nspm: 1e3,
                 slip_speed_mps: 0.01,
             },
-            sensors: SensorSettings { position_noise: 0.0, velocity_noise: 0.0, delay_s: 0.0 },
+            sensors: SensorSettings {
+                position_noise: 0.0,
+                velocity_noise: 0.0,
+                delay_s: 0.0,
+                flag: ContactFlag::Gap,
+                flag_force_n: 20.0,
+                loads: Loads::Measured,
+                load_delay_s: 0.0,
+            },
             actuators: ActuatorSettings { delay_s: 0.0, lag_s: 0.0 },
         }
     }

@@ -14,6 +14,7 @@ use crate::diagnosis::{self, Diagnosis, Fall};
 use crate::error::Error;
 use crate::feet::FeetMotion;
 use crate::generator::{Generator, check_feet, check_model};
+use crate::joint_limits::JointLimits;
 use crate::log::Log;
 use crate::metrics::{Measuring, Metrics};
 use crate::momentum::{Condition, Fallback, Limit, Task};
@@ -103,6 +104,8 @@ pub struct Run {
     pub metrics: Metrics,
     /// The physics' books; none of a physics that keeps none.
     pub audit: Option<Audit>,
+    /// Limits that the model gives to joints and that they passed, in words.
+    pub limits_passed: Vec<String>,
     /// Time simulated [s].
     pub simulated_s: f64,
     /// How the programs went.
@@ -164,6 +167,7 @@ pub struct Episode {
     plant: Box<dyn Plant>,
     sink: Option<Box<dyn Sink>>,
     sensors: Sensors,
+    joint_limits: JointLimits,
     truth: Sensed,
     told: Sensed,
     /// Dynamics of the true state, where the physics does not give them.
@@ -235,6 +239,12 @@ impl Episode {
         if let Some(dynamics) = &mut dynamics {
             dynamics.update(&model, &truth.q, &truth.v);
         }
+        let ground = scenario.terrain(&model);
+        let robot = (&model, of_truth(&dynamics, plant.as_ref()));
+        if let Some(fall) = diagnosis::fall(scenario, robot, &ground, &truth, true) {
+            let problem = format!("the robot has fallen before it starts: {}", diagnosis::definition(&fall));
+            return Err(Error::invalid("start", problem));
+        }
         let controller = match (parts.controller, parts.generator) {
             (Some(controller), _) => controller,
             (None, Some(generator)) => Box::new(scenario.momentum_controller_after(known, generator)),
@@ -261,6 +271,7 @@ impl Episode {
         let ideal = scenario.simulation.sensors.are_ideal() && error == 0.0;
         Ok(Self {
             sensors: Sensors::new(&scenario.simulation.sensors, &model, period, scenario.seed, &truth),
+            joint_limits: JointLimits::new(&model),
             dynamics,
             estimated: (!ideal).then(|| Dynamics::new(known)),
             record: vec![0.0; columns.width()],
@@ -282,7 +293,7 @@ impl Episode {
             tick_times: Vec::with_capacity(parts.clock.map_or(0, |_| MOST_TIMED.min(ticks as usize))),
             told: truth.clone(),
             truth,
-            ground: scenario.terrain(&model),
+            ground,
             feet: FeetMotion::new(&model),
             scenario: scenario.clone(),
             known: known.clone(),
@@ -308,6 +319,7 @@ impl Episode {
         let before = self.has_balance().then(|| self.moment());
         let health = self.plant.apply(self.controller.command(), self.scenario.controller.period_s);
         self.look();
+        self.joint_limits.watch(&self.model, &self.truth, self.controller.command());
         self.write_down_what_came_of_it(before)?;
         self.tick += 1;
         let robot = (&self.model, self.dynamics());
@@ -516,6 +528,7 @@ impl Episode {
         Ok(Run {
             metrics: self.measuring.finish(),
             audit: self.plant.audit().cloned(),
+            limits_passed: self.joint_limits.in_words(&self.model),
             simulated_s: self.tick as f64 * self.scenario.controller.period_s,
             program,
             timing: Timing { ticks_s: self.tick_times, wall_s },

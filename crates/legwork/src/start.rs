@@ -12,6 +12,8 @@ use crate::terrain::Terrain;
 
 /// Largest error of the pose that counts as solved [m, rad].
 const TOLERANCE: f64 = 1e-12;
+/// So many guesses bend each joint differently, where none that bends all alike led to a pose.
+const MIXED: u32 = 40;
 
 /// Joint positions [rad, m] of the start pose of `scenario`: feet on the `ground` (and flat on it, where they have an
 /// orientation), CoM and torso as given, all joints within their limits.
@@ -36,21 +38,24 @@ pub fn start_pose(scenario: &Scenario, model: &Robot, ground: &Terrain) -> Resul
     };
     let mut best: Option<(f64, DVector<f64>)> = None;
     let mut beyond = None;
-    for free in [0.0, 0.5, -0.5] {
-        for bend in [0.5, 0.25, 0.75, 0.1, 0.9] {
-            let (error, q) = solve(model, &target, first_guess(model, &target, bend, free));
-            if error < TOLERANCE {
-                match check_limits(model, &q) {
-                    Ok(()) => return Ok(q),
-                    Err(error) => beyond = beyond.or(Some(error)),
-                }
-            } else if best.as_ref().is_none_or(|(least, _)| error < *least) {
-                best = Some((error, q));
+    // A leg may bend another way where a joint has no limits.
+    let any_way = model.dofs.iter().any(|dof| dof.actuated && dof.usual_range().is_none());
+    let frees = if any_way { &[0.0, 0.5, -0.5][..] } else { &[0.0] };
+    let alike = frees
+        .iter()
+        .flat_map(|&free| [0.5, 0.25, 0.75, 0.1, 0.9].map(|bend| first_guess(model, &target, |_| bend, free)));
+    let mixed = (1..=MIXED).map(|k| {
+        first_guess(model, &target, |joint| 2.0 * (f64::from(k) * libm::sqrt((2 * joint + 3) as f64)).fract(), 0.0)
+    });
+    for guess in alike.chain(mixed) {
+        let (error, q) = solve(model, &target, guess);
+        if error < TOLERANCE {
+            match check_limits(model, &q) {
+                Ok(()) => return Ok(q),
+                Err(error) => beyond = beyond.or(Some(error)),
             }
-        }
-        // Only a joint without limits could bend another way.
-        if model.dofs.iter().all(|dof| !dof.actuated || dof.usual_range().is_some()) {
-            break;
+        } else if best.as_ref().is_none_or(|(least, _)| error < *least) {
+            best = Some((error, q));
         }
     }
     Err(beyond.unwrap_or_else(|| {
@@ -67,10 +72,11 @@ struct Target {
     torso: f64,
 }
 
-/// A pose between the joint limits; `bend` chooses where, and joints without limits are at `free` [rad, m].
-fn first_guess(model: &Model, target: &Target, bend: f64, free: f64) -> DVector<f64> {
+/// A pose between the joint limits; `bend` chooses where, for each joint, and joints without limits are at `free` [rad, m].
+fn first_guess(model: &Model, target: &Target, bend: impl Fn(usize) -> f64, free: f64) -> DVector<f64> {
     let mut q = model.neutral();
-    for dof in model.dofs.iter().filter(|dof| dof.actuated) {
+    for (joint, dof) in model.dofs.iter().filter(|dof| dof.actuated).enumerate() {
+        let bend = bend(joint);
         q[model.bodies[dof.body].q_index] = match dof.usual_range() {
             // From the limit that is nearer to zero, which is the straighter leg.
             Some([lower, upper]) if lower.abs() < upper.abs() => lower + bend * 0.5 * (upper - lower),

@@ -152,7 +152,7 @@ fn a_torso_leans_the_way_that_it_is_pushed_however_far() {
     let hard = ["pushes.0.force_n=2500", "pushes.0.start_s=0.3", "fall.min_com_height_fraction=0.05", "duration_s=3"];
     for (set, way) in [
         ("fall.max_torso_angle_deg=60", "60 deg forward"),
-        ("fall.max_torso_angle_deg=150", "150 deg forward"),
+        ("fall.max_torso_angle_deg=100", "100 deg forward"),
         ("pushes.0.heading_deg=-90", "60 deg to the right"),
         ("pushes.0.heading_deg=90", "60 deg to the left"),
     ] {

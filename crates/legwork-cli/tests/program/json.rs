@@ -77,6 +77,7 @@ fn contract() -> Value {
             "contact_residual_n": "number",
             "violations": "list",
         },
+        "limits_passed": "list",
         "qp": {
             "solves": "count",
             "infeasible": "count",

@@ -14,7 +14,7 @@ pub mod xcom;
 
 use std::fmt::Debug;
 
-use legwork_contract::contract::Sensed;
+use legwork_contract::contract::{ContactSensed, Sensed};
 use legwork_contract::error::Error;
 pub use legwork_contract::feet::Footing;
 use legwork_contract::feet::{FeetMotion, right_of, rotated, rotation_error};
@@ -175,12 +175,12 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// What a generator sees of a robot in the state of `dynamics` and `feet`, of which the rest was `sensed`; a foot touches the
-    /// ground if one of its contact points does. Allocates nothing.
-    pub fn new(dynamics: &Dynamics, feet: &FeetMotion, sensed: &Sensed) -> Self {
-        let sum = |contacts: &[usize]| contacts.iter().map(|&contact| sensed.contacts[contact].load).sum();
+    /// What a generator sees at `time` [s] of a robot in the state of `dynamics` and `feet`, whose contact points are taken to feel
+    /// `contacts`; a foot touches the ground if one of its contact points does. Allocates nothing.
+    pub fn new(time: f64, dynamics: &Dynamics, feet: &FeetMotion, contacts: &[ContactSensed]) -> Self {
+        let sum = |points: &[usize]| points.iter().map(|&point| contacts[point].load).sum();
         Self {
-            time: sensed.time,
+            time,
             com: dynamics.com,
             com_velocity: dynamics.com_velocity,
             feet: [0, 1].map(|foot| feet.position[foot]),
@@ -191,7 +191,7 @@ impl Observation {
                 let turning = &feet.angular_velocity[foot];
                 [libm::atan2(forward.z, forward.dot(&ahead)), ahead.y * turning.x - ahead.x * turning.y]
             }),
-            touching: [0, 1].map(|foot| feet.contacts(foot).iter().any(|&contact| sensed.contacts[contact].touching)),
+            touching: [0, 1].map(|foot| feet.contacts(foot).iter().any(|&point| contacts[point].touching)),
             load: [0, 1].map(|foot| sum(feet.contacts(foot))),
             end_load: [0, 1].map(|foot| feet.ends(foot).each_ref().map(|end| sum(end))),
         }
@@ -203,7 +203,7 @@ impl Observation {
         dynamics.update(model, &sensed.q, &sensed.v);
         let mut feet = FeetMotion::new(model);
         feet.update(model, &dynamics);
-        Self::new(&dynamics, &feet, sensed)
+        Self::new(sensed.time, &dynamics, &feet, &sensed.contacts)
     }
 }
 

@@ -7,7 +7,8 @@
 use nalgebra::Vector3;
 
 use super::{
-    ComTrajectory, Generator, Observation, PointReference, Reference, Surroundings, Swing, TurnReference, swing, xcom,
+    ComTrajectory, Footing, Generator, Observation, PointReference, Reference, Surroundings, Swing, TurnReference,
+    swing, xcom,
 };
 use crate::settings::{LeastStep, ReferenceSettings, Replan, StepSettings};
 use legwork_contract::terrain::Terrain;
@@ -59,6 +60,10 @@ impl Generator for Steps {
             Phase::DoubleSupport => None,
             Phase::Step { foot, since, .. } => Some(Swing { foot, since }),
         });
+        // A foot whose step is over should stand: it is loaded to find the ground.
+        if let Some(late) = reference.swing.filter(|swing| seen.time - swing.since > machine.settings.duration_s) {
+            reference.footing[late.foot] = Footing::Stands;
+        }
         reference.xcom = [machine.xcom(), 0.0];
         reference.follow(com, machine.gravity, &machine.ground);
     }

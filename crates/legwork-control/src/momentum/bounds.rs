@@ -55,7 +55,7 @@ pub fn torques(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem) {
     }
 }
 
-/// Joint limits and the largest acceleration, for the actuated joints.
+/// Joint limits, those of range and of speed, and the largest acceleration, for the actuated joints.
 ///
 /// Where the former have yielded ([`super::Relaxation::joint_limits`]), a braking joint's bound is a cost instead; the
 /// latter can be dropped as well.
@@ -81,7 +81,8 @@ pub fn accelerations(layout: &Layout, inputs: &Inputs<'_>, problem: &mut Problem
     }
 }
 
-/// The acceleration that a joint is forced to so that it stops before its limit [rad/s²], if it is.
+/// The acceleration that a joint is forced to so that it stops before the end of its range or comes back to its largest speed [rad/s²],
+/// if it is.
 pub fn braking(inputs: &Inputs<'_>, dof: usize) -> Option<f64> {
     let largest = inputs.limits.joint_acceleration_radps2;
     match joint_limits(inputs, dof) {
@@ -91,8 +92,19 @@ pub fn braking(inputs: &Inputs<'_>, dof: usize) -> Option<f64> {
     }
 }
 
-/// The accelerations that keep a joint within its limits, lowest and highest [rad/s²].
+/// The accelerations that keep a joint within its range and below its largest speed, lowest and highest [rad/s²].
 fn joint_limits(inputs: &Inputs<'_>, dof: usize) -> [f64; 2] {
+    let joint = &inputs.model.dofs[dof];
+    let (v, most) = (inputs.v[dof], joint.velocity_limit);
+    // It comes to its largest speed no faster than exponentially.
+    let [slowest, fastest] = [-most, most].map(|speed| inputs.limits.approach_rate_1ps * (speed - v));
+    let [lower, upper] = range(inputs, dof);
+    let upper = upper.min(fastest).max(slowest);
+    [lower.max(slowest).min(upper), upper]
+}
+
+/// The accelerations that keep a joint within its range, lowest and highest [rad/s²].
+fn range(inputs: &Inputs<'_>, dof: usize) -> [f64; 2] {
     let joint = &inputs.model.dofs[dof];
     let (q, v) = (inputs.q[inputs.model.bodies[joint.body].q_index], inputs.v[dof]);
     let largest = inputs.limits.joint_acceleration_radps2;

@@ -16,6 +16,7 @@ use legwork_rbd::Dynamics;
 
 use super::tasks::{Seen, momentum};
 use super::{Inputs, Layout, Limit, Relaxation, Solution, Task, bounds, layout};
+use crate::contacts::Contacts;
 use crate::controller::{Controller, Program};
 use crate::generator::{Generator, Observation, Reference};
 use crate::planner::MotionReferencePlanner;
@@ -94,6 +95,7 @@ pub struct MomentumController {
     /// What is below each contact point.
     ground: Vec<Surface>,
     feet: FeetMotion,
+    contacts: Contacts,
     generator: Box<dyn Generator>,
     reference: Reference,
     planner: MotionReferencePlanner,
@@ -129,6 +131,7 @@ impl MomentumController {
             ground: vec![*terrain.base(); model.contacts.len()],
             terrain: terrain.clone(),
             feet: FeetMotion::new(model),
+            contacts: Contacts::new(model),
             generator,
             reference: Reference::default(),
             layout,
@@ -137,7 +140,8 @@ impl MomentumController {
 
     /// As [`Controller::tick`], and tells `done` after each part, so that a caller with a clock can time them.
     pub fn tick_in_parts(&mut self, sensed: &Sensed, dynamics: &Dynamics, mut done: impl FnMut(Part)) -> &Tick {
-        if sensed.fits(&self.model) {
+        let seen = dynamics.com.iter().chain(dynamics.com_velocity.iter());
+        if sensed.fits(&self.model) && seen.into_iter().all(|value| value.is_finite()) {
             self.refer(sensed, dynamics);
             self.planner.plan(&Seen {
                 model: &self.model,
@@ -162,7 +166,12 @@ impl MomentumController {
     /// The reference, and which contacts may carry force.
     fn refer(&mut self, sensed: &Sensed, dynamics: &Dynamics) {
         self.feet.update(&self.model, dynamics);
-        self.generator.update(&Observation::new(dynamics, &self.feet, sensed), &mut self.reference);
+        let seen = (dynamics, &self.feet);
+        let world = (&self.model, &self.terrain);
+        let asked = (&self.reference.footing[..], &self.tick.solution.rho[..]);
+        self.contacts.update(self.settings.lift_height_m, world, sensed, seen, asked);
+        let seen = Observation::new(sensed.time, dynamics, &self.feet, self.contacts.points());
+        self.generator.update(&seen, &mut self.reference);
         let footing = &self.reference.footing;
         for (foot, footing) in footing.iter().enumerate().filter(|(_, footing)| footing.is_on_an_end()) {
             self.feet.place(&self.model, dynamics, foot, *footing);
@@ -172,7 +181,7 @@ impl MomentumController {
             self.terrain.below(&dynamics.contact_positions, |contact| foot_of[contact], &mut self.ground);
         }
         for (contact, &foot) in self.model.foot_of.iter().enumerate() {
-            self.stance[contact] = sensed.contacts[contact].touching
+            self.stance[contact] = self.contacts.points()[contact].touching
                 && match footing.get(foot) {
                     // The distance rule (4.10) alone lets the swing foot push until it has left the ground.
                     Some(Footing::Swings) => false,

@@ -18,6 +18,8 @@ pub struct ControllerSettings {
     pub friction_edges: usize,
     /// Slope that it assumes where the ground is not known [deg].
     pub assumed_slope_deg: f64,
+    /// A contact point that is not felt stands up to that far from the height at which it was felt last, where its foot should [m].
+    pub lift_height_m: f64,
     /// The motion reference planner.
     pub planner: PlannerSettings,
     /// The cost's weights.
@@ -213,6 +215,7 @@ impl Default for ControllerSettings {
             assumed_friction: 0.85,
             friction_edges: 4,
             assumed_slope_deg: 0.0,
+            lift_height_m: 0.002,
             planner: PlannerSettings {
                 angular_momentum_gain: 200.0,
                 com_gain: 1500.0,

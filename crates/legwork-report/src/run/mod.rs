@@ -137,6 +137,12 @@ fn head(run: &Run) -> Markup {
                     ul { @for violation in violations { li { (violation) } } }
                 }
             }
+            @if !run.limits_passed.is_empty() {
+                div class="banner warning" role="alert" {
+                    strong { "Joints passed limits that the model gives them." }
+                    ul { @for passed in &run.limits_passed { li { (passed) } } }
+                }
+            }
             p.facts {
                 span {
                     b { (number(simulated)) " s" }

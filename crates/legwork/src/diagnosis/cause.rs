@@ -44,7 +44,7 @@ pub enum FirstCause {
         /// Which.
         joint: String,
     },
-    /// The ground below a foot was not where the controller believed it to be.
+    /// The ground below a foot was not where the controller believed it to be, or rose in the way of a foot that swung.
     MissedGround {
         /// Which.
         foot: String,
@@ -58,8 +58,10 @@ pub enum FirstCause {
     },
     /// The longest step that the reference generator makes did not reach the XcoM.
     StepTooShort,
-    /// A push carried the XcoM further than legs can step.
+    /// A push carried the XcoM further than legs can step, or came before what no limit explains.
     Push,
+    /// The controller was told of the state late or with noise.
+    Sensing,
     /// The simulation lost its footing, not the robot.
     Numerics,
     /// None of the rules holds.
@@ -68,18 +70,19 @@ pub enum FirstCause {
 
 impl FirstCause {
     /// Label and title of each cause, in the order of the enum: what a table of causes has as rows.
-    pub const LABELS: [(&'static str, &'static str); 13] = [
+    pub const LABELS: [(&'static str, &'static str); 14] = [
         ("torque-limit", "torque limit"),
         ("torque-rate-limit", "torque rate limit"),
         ("force-limit", "contact force limit"),
         ("friction", "friction"),
         ("joint-limit", "end of a joint's range"),
         ("acceleration-limit", "joint acceleration limit"),
-        ("missed-ground", "ground not where it was believed"),
+        ("missed-ground", "ground in the way or not where it was believed"),
         ("infeasible-program", "infeasible program"),
         ("outweighed", "task outweighed in the cost"),
         ("step-too-short", "step too short"),
         ("push", "push too large"),
+        ("sensing", "late or noisy sensing"),
         ("numerics", "numerics"),
         ("unexplained", "unexplained"),
     ];
@@ -97,8 +100,9 @@ impl FirstCause {
             Self::Outweighed { .. } => 8,
             Self::StepTooShort => 9,
             Self::Push => 10,
-            Self::Numerics => 11,
-            Self::Unexplained => 12,
+            Self::Sensing => 11,
+            Self::Numerics => 12,
+            Self::Unexplained => 13,
         }
     }
 
@@ -124,6 +128,7 @@ impl FirstCause {
             | Self::Outweighed { .. }
             | Self::StepTooShort
             | Self::Push
+            | Self::Sensing
             | Self::Numerics
             | Self::Unexplained => None,
         }
@@ -185,6 +190,34 @@ pub enum What {
         /// How much lower the ground is [m], negative where it is higher.
         lower: f64,
     },
+    /// A swinging foot met ground that is higher than where it left.
+    Stubbed {
+        /// Which.
+        foot: String,
+        /// How much higher [m].
+        higher: f64,
+    },
+    /// The program let standing feet accelerate, and counted on forces that the ground did not give.
+    Unmet {
+        /// How much less it gave [N].
+        force: f64,
+        /// Acceleration that the task of the foot which misses most was given up by [m/s²].
+        given_up: f64,
+    },
+    /// A push came before, and no limit explains what followed.
+    Upset {
+        /// Its impulse [Ns].
+        impulse: f64,
+        /// When it began [s].
+        since: f64,
+    },
+    /// The controller was told of the state late or with noise, and no limit explains what followed.
+    Misled {
+        /// By how much it was late [s].
+        delay: f64,
+        /// Standard deviation of positions [rad or m] and velocities [rad/s or m/s].
+        noise: [f64; 2],
+    },
     /// The XcoM went out of the reach of all steps to come.
     OutOfReach {
         /// How far past `edge` [m].
@@ -193,7 +226,9 @@ pub enum What {
         edge: &'static str,
         /// The longest step [m].
         longest: f64,
-        /// By how much the longest step falls short [m].
+        /// How long it lasts [s], where that is given.
+        lasts: Option<f64>,
+        /// By how much the longest step falls short of where the XcoM will be [m].
         short: f64,
         /// The impulse of the pushes until then [Ns], where they are the first cause.
         pushed: Option<f64>,

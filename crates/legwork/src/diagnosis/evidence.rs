@@ -14,7 +14,7 @@ use crate::log::{Field, Log};
 use crate::momentum::tasks::{feet, momentum, torso};
 use crate::momentum::{Fallback, Limit, LimitKind, Task};
 use crate::robot::Robot;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, Tracking};
 use crate::terrain::Terrain;
 
 /// A force or torque is at its limit from this share of it on.
@@ -51,7 +51,7 @@ pub(super) struct Evidence<'a> {
     /// Number of linear axes.
     pub(super) axes: usize,
     /// The walking direction, a horizontal unit vector: that at the begin of the log.
-    ahead: Point,
+    pub(super) ahead: Point,
     feet: Vec<FootRows>,
     pub(super) tasks: &'a [Task],
     actuated: Vec<usize>,
@@ -154,6 +154,11 @@ impl<'a> Evidence<'a> {
         self.model.points_of(foot).any(|point| flags[point] > 0.5)
     }
 
+    /// Whether a task is a hard equality of the program.
+    pub(super) fn is_hard(&self, task: &str) -> bool {
+        self.tasks.iter().any(|known| known.name == task && known.how == Tracking::Equality)
+    }
+
     /// What a task misses, in its rows; empty where the controller has no such task.
     fn slack(&self, i: usize, task: &str) -> &[f64] {
         self.tasks
@@ -176,6 +181,12 @@ impl<'a> Evidence<'a> {
     /// Angular acceleration that the torso task misses [rad/s²].
     pub(super) fn missed_torso(&self, i: usize) -> f64 {
         self.slack(i, torso::NAME).iter().map(|value| value * value).sum::<f64>().sqrt()
+    }
+
+    /// By how much the vertical forces that the program counted on exceed those that came [N].
+    pub(super) fn unmet_force(&self, i: usize) -> f64 {
+        let vertical = |field: Field| self.log.get(i, field).iter().skip(self.axes - 1).step_by(self.axes).sum::<f64>();
+        vertical(Field::Grf) - vertical(Field::GrfSimulated)
     }
 
     pub(super) fn fallback(&self, i: usize) -> f64 {

@@ -67,6 +67,18 @@ impl Failure {
     }
 }
 
+impl Failure {
+    /// What a task misses at least, in the mean, where a limit or weights are to blame for it: N for a robot of that `weight` [N], rad/s²
+    /// or m/s².
+    pub(super) fn something(&self, weight: f64) -> f64 {
+        match self.kind {
+            Kind::Sinking => 1e-3 * weight,
+            Kind::Leaning | Kind::Astray(_) => 0.1,
+            Kind::OutOfReach | Kind::Sudden => 0.0,
+        }
+    }
+}
+
 /// Which figure it was.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -239,7 +251,7 @@ mod tests {
         let evidence = Evidence::new(&run.scenario, &run.model, &run.log, (&run.tasks, &run.limits));
         let step = &run.scenario.reference.step;
         let (past, apart) = evidence.past_front(step, 0);
-        let bound = past - evidence.out_of_reach(0);
+        let bound = past - evidence.out_of_machine(step, 0);
         // By steps: XcoM past the front foot, feet apart; just below the bound it stays, just above it runs away.
         for (start, stays) in [(bound - 1e-3, true), (bound + 1e-3, false)] {
             let (mut past, mut apart) = (start, apart);

@@ -62,15 +62,17 @@ impl Evidence<'_> {
     /// How much lower the ground below a foot is in tick `i` than the slope has it that the controller believes in, from the other
     /// foot on [m]: where it does not know the ground, it knows where its feet stand.
     pub(super) fn lower_than_the_other(&self, i: usize, foot: usize) -> f64 {
-        let height = |foot: usize| {
-            let lowest = |a: &usize, b: &usize| {
-                let [a, b] = [*a, *b].map(|point| self.point(i, point)[self.axes - 1]);
-                a.total_cmp(&b)
-            };
-            let [x, y] =
-                below(self.point(i, self.model.points_of(foot).min_by(lowest).expect("a foot has a contact point")));
-            self.ground.height_at(x, y) - self.believed.base().height_at(x, y)
+        self.relief(i, 1 - foot) - self.relief(i, foot)
+    }
+
+    /// How high the ground is below the lowest point of a foot in tick `i`, over the slope that the controller believes in [m].
+    pub(super) fn relief(&self, i: usize, foot: usize) -> f64 {
+        let lowest = |a: &usize, b: &usize| {
+            let [a, b] = [*a, *b].map(|point| self.point(i, point)[self.axes - 1]);
+            a.total_cmp(&b)
         };
-        height(1 - foot) - height(foot)
+        let point = self.model.points_of(foot).min_by(lowest).expect("a foot has a contact point");
+        let [x, y] = below(self.point(i, point));
+        self.ground.height_at(x, y) - self.believed.base().height_at(x, y)
     }
 }

@@ -5,8 +5,9 @@
 //! step, by how far foot and leg reach, in `landing.rs`.
 
 use super::What;
-use super::evidence::{Evidence, Stretch};
+use super::evidence::{Evidence, Stretch, below};
 use super::landing::{Landing, WalkerSteps};
+use crate::balance::support::along;
 use crate::generator::{swing, xcom};
 use crate::log::Field;
 use crate::robot::Robot;
@@ -17,6 +18,8 @@ use crate::scenario::{GeneratorKind, Scenario, StepSettings};
 const LONGEST_STEP: f64 = 1.4;
 /// A foot of the step machine is late when its step has lasted this many times its duration: healthy ones last up to 1.3.
 const LATE: f64 = 1.5;
+/// A foot of the step machine should stand when its step has lasted this many times its duration.
+const DUE: f64 = 1.1;
 /// A foot whose reference is slower than this along the walking direction is above its place [m/s].
 const ARRIVED: f64 = 1e-3;
 
@@ -44,9 +47,12 @@ impl<'a> Steps<'a> {
 /// The step that the XcoM asks for.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wanted {
+    /// How far the XcoM is past `edge` [m].
     past: f64,
     edge: &'static str,
     longest: f64,
+    /// How long a step lasts [s], where that is given.
+    lasts: Option<f64>,
     /// By how much the longest step falls short of the XcoM [m].
     pub(super) short: f64,
     /// Whether legs make no step that long.
@@ -56,8 +62,8 @@ pub(super) struct Wanted {
 impl Wanted {
     /// The longest step does not reach it; after pushes of an impulse [Ns], where they are the first cause.
     pub(super) fn missed(self, pushed: Option<f64>) -> What {
-        let Self { past, edge, longest, short, .. } = self;
-        What::OutOfReach { past, edge, longest, short, pushed }
+        let Self { past, edge, longest, lasts, short, .. } = self;
+        What::OutOfReach { past, edge, longest, lasts, short, pushed }
     }
 }
 
@@ -66,6 +72,8 @@ impl Evidence<'_> {
     /// steps.
     pub(super) fn out_of_reach(&self, i: usize) -> f64 {
         match &self.steps {
+            // What is above the feet is not past them, however far it would run in a step.
+            Steps::Machine(_) if self.past_the_feet(i) <= 0.0 => f64::NEG_INFINITY,
             Steps::Machine(step) => self.out_of_machine(step, i),
             Steps::Walker(walker) => match walker.moment(self, i) {
                 Some(moment) if moment.past > 0.0 => walker.best(&moment).beyond,
@@ -84,7 +92,14 @@ impl Evidence<'_> {
                 let wanted = xcom::predicted_xcom(past, 0.0, self.omega(i), step.duration_s) + apart; // Thesis (2.5)
                 let longest = step.max_length_m;
                 let (short, beyond_legs) = (wanted - longest, wanted > legs);
-                Some(Wanted { past, edge: "front foot", longest, short, beyond_legs })
+                Some(Wanted {
+                    past: self.past_the_feet(i),
+                    edge: "front foot",
+                    longest,
+                    lasts: Some(step.duration_s),
+                    short,
+                    beyond_legs,
+                })
             }
             Steps::Walker(walker) => {
                 let moment = walker.moment(self, i)?;
@@ -93,7 +108,7 @@ impl Evidence<'_> {
                 let beyond_legs = longest + short > moment.upright_step;
                 // Reckoned, not set: to the centimetre.
                 let longest = 0.01 * (100.0 * longest).round();
-                Some(Wanted { past: moment.past, edge, longest, short, beyond_legs })
+                Some(Wanted { past: moment.past, edge, longest, lasts: None, short, beyond_legs })
             }
             Steps::None => None,
         }
@@ -116,22 +131,33 @@ impl Evidence<'_> {
     /// XcoM and feet as the step under way leaves them, or as they are in double support: how far the XcoM is past
     /// the front foot, and how far the feet are apart [m].
     pub(super) fn past_front(&self, step: &StepSettings, i: usize) -> (f64, f64) {
-        let (mut xcom, mut feet) = (self.log.get(i, Field::Xcom)[0], [self.foot_ahead(i, 0), self.foot_ahead(i, 1)]);
+        let (mut xcom, mut feet) = (self.xcom(i), [0, 1].map(|foot| self.foot_ahead(i, foot)));
         let stretch = self.stretch(i);
-        if let Some(foot) = stretch.foot {
+        // In its last tick the foot is down.
+        if let Some(foot) = stretch.foot.filter(|_| i + 1 < stretch.ticks.end) {
             let left = (step.duration_s - (self.time(i) - self.time(stretch.ticks.start))).max(0.0);
             xcom = xcom::predicted_xcom(xcom, feet[1 - foot], self.omega(i), left); // Thesis (2.5)
             feet[foot] = self.planned(step, stretch, foot);
         }
-        let middle = 0.5 * (feet[0] + feet[1]);
-        let apart = (feet[0] - feet[1]).abs();
-        ((xcom - middle).abs() - 0.5 * apart, apart)
+        past_the_farther(xcom, feet)
+    }
+
+    /// How far the XcoM is past the farther foot [m].
+    fn past_the_feet(&self, i: usize) -> f64 {
+        past_the_farther(self.xcom(i), [0, 1].map(|foot| self.foot_ahead(i, foot))).0
+    }
+
+    /// The XcoM, as the robot has it [m]: what the generator reckons may be late or noisy.
+    fn xcom(&self, i: usize) -> f64 {
+        let [com, velocity] =
+            [Field::Com, Field::ComVelocity].map(|field| along(self.ahead, below(self.log.get(i, field))));
+        xcom::xcom(com, velocity, self.omega(i))
     }
 
     /// With the XcoM b past the front foot and the feet s apart, the rear foot steps L in the time T and the
     /// pendulum's point foot stands still: b' = b e^(ωT) − (L − s), s' = L − s. Two such steps keep b where
     /// b (e^(2ωT) − 1) = (L − s) e^(ωT) + s. Koolen et al. 2012, "Capturability-based analysis", for this step machine.
-    fn out_of_machine(&self, step: &StepSettings, i: usize) -> f64 {
+    pub(super) fn out_of_machine(&self, step: &StepSettings, i: usize) -> f64 {
         let (past, apart) = self.past_front(step, i);
         let growth = libm::exp(self.omega(i) * step.duration_s);
         past - ((step.max_length_m - apart) * growth + apart) / (growth * growth - 1.0)
@@ -153,10 +179,11 @@ impl Evidence<'_> {
         stretch.ticks.clone().rev().take_while(above).last()
     }
 
-    /// The tick from which on the step machine's foot that swings in `stretch` is late; other generators have no time for it.
-    pub(super) fn late(&self, stretch: &Stretch) -> Option<usize> {
+    /// The ticks from which on the step machine's foot that swings in `stretch` should stand, and is late; other generators have no time
+    /// for it.
+    pub(super) fn due_and_late(&self, stretch: &Stretch) -> Option<[usize; 2]> {
         let Steps::Machine(step) = &self.steps else { return None };
-        Some(stretch.ticks.start + self.ticks_in(LATE * step.duration_s))
+        Some([DUE, LATE].map(|times| stretch.ticks.start + self.ticks_in(times * step.duration_s)))
     }
 
     /// How far short of its planned place the foot came down at the end of `stretch` [m], negative beyond it; none where
@@ -173,4 +200,10 @@ impl Evidence<'_> {
         let way = place - self.goal_ahead(stretch.ticks.start, foot, 0);
         Some((place - self.foot_ahead(landed, foot)) * way.signum())
     }
+}
+
+/// How far the XcoM is past the farther of two feet, and how far those are apart [m].
+fn past_the_farther(xcom: f64, feet: [f64; 2]) -> (f64, f64) {
+    let (middle, apart) = (0.5 * (feet[0] + feet[1]), (feet[0] - feet[1]).abs());
+    ((xcom - middle).abs() - 0.5 * apart, apart)
 }

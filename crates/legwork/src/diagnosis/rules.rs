@@ -13,6 +13,7 @@ use super::reach::Steps;
 use super::{Cause, Diagnosis, Event, Fall, FirstCause, What, words};
 use crate::log::{Field, Log};
 use crate::momentum::Fallback;
+use crate::momentum::tasks::feet;
 use crate::momentum::{Limit, Task};
 use crate::robot::Robot;
 use crate::scenario::{ContactModel, Push, Scenario};
@@ -43,6 +44,10 @@ const YIELDED: f64 = 0.3;
 const ENERGY: f64 = 0.05;
 /// On a damped spring, a foot that should stand was off the ground for this share of the time up to the window's end.
 const BOUNCED: f64 = 0.1;
+/// The program counted on more force than the ground gave by this share of the weight.
+const UNMET: f64 = 0.05;
+/// Without a limit to blame, a push is the cause of what begins within this long after it [s]: the time of two steps.
+const UPSET: f64 = 1.0;
 /// Without a limit to blame, a task was given up if it was missed by this many times as much as in the time before.
 const GIVEN_UP: f64 = 2.0;
 
@@ -110,14 +115,46 @@ fn delivered<'p>(pushes: impl Iterator<Item = &'p Push>, time: f64) -> f64 {
 /// The first cause of `failure`: the first rule that holds. Rules on the simulation come before those on the robot,
 /// and a rule that names the part which gave way before one that only describes.
 fn first_cause(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Option<(FirstCause, Event)> {
+    let walks = matches!(evidence.steps, Steps::Walker(_));
     numerics(evidence, failure, fall)
-        .or_else(|| misstep(evidence, failure))
+        .or_else(|| stubbed(evidence, failure))
+        .or_else(|| misstep(evidence, failure).filter(|_| walks))
         .or_else(|| slide(evidence, failure))
         .or_else(|| missed_ground(evidence, failure))
+        // The step machine waits for the ground where it believes it to be.
+        .or_else(|| misstep(evidence, failure))
         .or_else(|| out_of_reach(evidence, failure))
         .or_else(|| yielded(evidence, failure))
         .or_else(|| saturation(evidence, failure))
         .or_else(|| outweighed(evidence, failure))
+        .or_else(|| unmet(evidence, failure))
+        .or_else(|| upset(evidence, failure))
+        .or_else(|| misled(evidence, failure))
+}
+
+/// The latest steps that began before the failure was there, the last first.
+fn latest_steps<'e>(evidence: &'e Evidence<'_>, failure: &Failure) -> Vec<(&'e Stretch, usize)> {
+    let end = failure.window.end;
+    let begun = evidence.stretches.iter().rev().filter(|stretch| stretch.ticks.start < end);
+    begun.filter_map(|stretch| Some((stretch, stretch.foot?))).take(STEPS_BEFORE).collect()
+}
+
+/// A swinging foot met ground that rises above where it left, and came off its path.
+fn stubbed(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
+    if evidence.ground.is_plane() {
+        return None;
+    }
+    let met = |&(stretch, foot): &(&Stretch, usize)| {
+        let left = evidence.relief(stretch.ticks.start, foot);
+        let ticks = stretch.ticks.start..stretch.ticks.end.min(failure.growth.end);
+        let at = ticks.clone().find(|&i| evidence.touching(i, foot) && evidence.relief(i, foot) > left + MISSTEP)?;
+        let astray = failure.kind == Kind::Sudden || (at..ticks.end).any(|i| evidence.foot_off(i, foot) > ASTRAY);
+        astray.then(|| (at, foot, evidence.relief(at, foot) - left))
+    };
+    let (at, foot, higher) = latest_steps(evidence, failure).iter().find_map(met)?;
+    let name = evidence.foot_name(foot);
+    let event = Event { time: evidence.time(at), what: What::Stubbed { foot: name.clone(), higher } };
+    Some((FirstCause::MissedGround { foot: name }, event))
 }
 
 /// Energy came from nothing, or feet that should stand bounced on the damped spring, before anything failed.
@@ -141,25 +178,27 @@ fn numerics(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Option<(
     if share > BOUNCED { said(off[0], What::Bounced { share }) } else { None }
 }
 
-/// The controller did not know the ground's height, and a foot of the walker, which lands where it finds the ground, did so where
-/// that was not believed to be, before anything failed. Of the latest steps the worst counts; a push among them that carries the
-/// XcoM out of reach comes first.
+/// The controller did not know the ground's height, and a foot landed where that was not believed to be, before anything failed. Of
+/// the latest steps the worst counts; a push among them that carries the XcoM out of reach comes first.
 fn misstep(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
-    if !matches!(evidence.steps, Steps::Walker(_)) || evidence.scenario.ground.height_is_known() {
+    if evidence.scenario.ground.height_is_known() {
         return None;
     }
-    let end = failure.window.end;
-    let begun = evidence.stretches.iter().rev().filter(|stretch| stretch.foot.is_some() && stretch.ticks.start < end);
-    let steps: Vec<&Stretch> = begun.take(STEPS_BEFORE).collect();
-    let times = evidence.time(steps.last()?.ticks.start)..evidence.time(end - 1);
+    let (end, steps) = (failure.window.end, latest_steps(evidence, failure));
+    let times = evidence.time(steps.last()?.0.ticks.start)..evidence.time(end - 1);
     let pushed = evidence.scenario.pushes.iter().any(|push| impulse(push) > 0.0 && times.contains(&push.start_s));
     if failure.kind == Kind::OutOfReach && pushed {
         return None;
     }
-    let landings = steps.iter().filter_map(|stretch| Some((stretch.ticks.end, stretch.foot?)));
+    let landings = steps.iter().map(|(stretch, foot)| (stretch.ticks.end, *foot));
     let landings = landings.filter(|&(landed, foot)| landed < end && evidence.touching(landed, foot));
+    // The walker takes the ground to be where it stands; the step machine, where it was told.
+    let lower = |landed: usize, foot: usize| match &evidence.steps {
+        Steps::Machine(_) if evidence.scenario.ground.known => evidence.lower(landed, foot),
+        _ => evidence.lower_than_the_other(landed, foot),
+    };
     let (landed, foot, lower) = landings
-        .map(|(landed, foot)| (landed, foot, evidence.lower_than_the_other(landed, foot)))
+        .map(|(landed, foot)| (landed, foot, lower(landed, foot)))
         .max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
     let name = evidence.foot_name(foot);
     let event = Event { time: evidence.time(landed), what: What::Misstepped { foot: name.clone(), lower } };
@@ -194,12 +233,14 @@ fn slide(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Even
 fn missed_ground(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
     let stretch = evidence.stretch(failure.window.end - 1);
     let (foot, begin) = (stretch.foot?, stretch.ticks.start);
-    let late = evidence.late(stretch)?;
-    let hangs = stretch.ticks.contains(&late) && !evidence.touching(late, foot);
+    // Where the ground is much lower, a foot hangs as soon as it is due.
+    let [due, late] = evidence.due_and_late(stretch)?;
+    let hangs = |&(tick, least): &(usize, f64)| {
+        let there = stretch.ticks.contains(&tick) && !evidence.touching(tick, foot);
+        there && evidence.lower(tick, foot) >= least && evidence.foot_off(tick, foot) <= ASTRAY
+    };
+    let (late, _) = [(late, LOWER), (due, MISSTEP)].into_iter().find(hangs)?;
     let lower = evidence.lower(late.min(failure.window.end - 1), foot);
-    if !hangs || lower < LOWER || evidence.foot_off(late, foot) > ASTRAY {
-        return None;
-    }
     let name = evidence.foot_name(foot);
     let lasted = evidence.time(stretch.ticks.end - 1) - evidence.time(begin);
     let what = What::MissedGround { foot: name.clone(), lasted, lower };
@@ -245,6 +286,9 @@ fn saturation(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause,
 /// The program was free, and missed the task whose figure failed for the sake of the others.
 fn outweighed(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
     let task = failure.task()?;
+    if evidence.is_hard(task) {
+        return None;
+    }
     let mean = |ticks: Range<usize>| {
         let count = ticks.len().max(1) as f64;
         ticks.map(|i| failure.missed(evidence, i)).sum::<f64>() / count
@@ -252,7 +296,40 @@ fn outweighed(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause,
     let (before, then) = (mean(0..failure.window.start), mean(failure.growth.clone()));
     let event =
         Event { time: evidence.time(failure.window.start), what: What::Outweighed { task, times: then / before } };
-    (before > 0.0 && then >= GIVEN_UP * before).then_some((FirstCause::Outweighed { task }, event))
+    let something = failure.something(evidence.weight());
+    (before > 0.0 && then >= something && then >= GIVEN_UP * before).then_some((FirstCause::Outweighed { task }, event))
+}
+
+/// The program let feet that stand accelerate, which the ground does not: so it counted on forces that did not come.
+fn unmet(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
+    if failure.kind != Kind::Sinking || evidence.is_hard(feet::NAME) {
+        return None;
+    }
+    let mean = |figure: &dyn Fn(usize) -> f64| -> f64 {
+        failure.growth.clone().map(figure).sum::<f64>() / failure.growth.len() as f64
+    };
+    let force = mean(&|i| evidence.unmet_force(i));
+    let given_up = mean(&|i| (0..2).map(|foot| evidence.missed_foot(i, foot)).fold(0.0, f64::max));
+    let event = Event { time: evidence.time(failure.window.start), what: What::Unmet { force, given_up } };
+    let is_much = force > UNMET * evidence.weight() && given_up > failure.something(0.0).max(1.0);
+    is_much.then_some((FirstCause::Outweighed { task: feet::NAME }, event))
+}
+
+/// No limit explains it, and a push came shortly before it began.
+fn upset(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
+    let (begin, end) = (evidence.time(failure.window.start) - UPSET, evidence.time(failure.window.end - 1));
+    let pushes = evidence.scenario.pushes.iter().filter(|push| impulse(push) > 0.0);
+    let push = pushes.rev().find(|push| push.start_s < end && push.start_s + push.duration_s > begin)?;
+    let what = What::Upset { impulse: impulse(push), since: push.start_s };
+    Some((FirstCause::Push, Event { time: push.start_s.max(evidence.time(0)), what }))
+}
+
+/// No limit explains it, and the controller was told of the state late or with noise.
+fn misled(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
+    let sensors = &evidence.scenario.simulation.sensors;
+    let what = What::Misled { delay: sensors.delay_s, noise: [sensors.position_noise, sensors.velocity_noise] };
+    let event = Event { time: evidence.time(failure.window.start), what };
+    (!sensors.are_ideal()).then_some((FirstCause::Sensing, event))
 }
 
 /// The limit that accounts for most of what was missed in `ticks`.
@@ -274,6 +351,8 @@ fn saturated<'e>(evidence: &'e Evidence<'_>, failure: &Failure, ticks: &Range<us
         candidates.retain(|limit| more(limit));
     }
     let most = candidates.iter().map(|limit| accounts(limit)).fold(0.0, f64::max);
+    // Where nothing was missed, nothing is to blame.
+    candidates.retain(|_| most >= failure.something(evidence.weight()) * ticks.len() as f64);
     candidates.into_iter().filter(|limit| accounts(limit) >= AS_GOOD * most).min_by_key(|limit| first(limit))
 }
 

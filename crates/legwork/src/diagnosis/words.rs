@@ -40,12 +40,14 @@ fn rounded(value: f64) -> f64 {
     (1e3 * value).round() / 1e3
 }
 
-/// The slope and what was assumed of it, where the controller was not told.
+/// The slopes that the controller was not told and assumed to be others.
 fn slope(scenario: &Scenario) -> Option<String> {
     let (slope, assumed) = (rounded(scenario.ground.slope_deg), rounded(scenario.controller.assumed_slope_deg));
     let across = rounded(scenario.ground.cross_slope_deg);
-    let across = if across == 0.0 { String::new() } else { format!(", slope across {across} deg, assumed to be 0") };
-    (!scenario.ground.known).then(|| format!("slope {slope} deg, assumed to be {assumed}{across}"))
+    let along = (slope != assumed).then(|| format!("slope {slope} deg, assumed to be {assumed}"));
+    let across = (across != 0.0).then(|| format!("slope across {across} deg, assumed to be 0"));
+    let both: Vec<String> = [along, across].into_iter().flatten().collect();
+    (!scenario.ground.known && !both.is_empty()).then(|| both.join(", "))
 }
 
 /// What went wrong.
@@ -73,14 +75,15 @@ fn effect(event: &Event) -> Option<String> {
     Some(text)
 }
 
-/// Which task was given up meanwhile, and by how much.
+/// Which task was given up meanwhile, and by how much, where that is something.
 fn missed(event: &Event) -> String {
-    match event.what {
-        What::Sank { missed, .. } => format!(", {missed:.0} N of lift given up"),
-        What::Leaned { missed, .. } => format!(", {missed:.0} rad/s2 of the torso's task given up"),
-        What::FootAstray { missed, .. } => format!(", {missed:.0} m/s2 of the foot's task given up"),
-        _ => String::new(),
-    }
+    let (missed, of) = match event.what {
+        What::Sank { missed, .. } => (missed, "N of lift"),
+        What::Leaned { missed, .. } => (missed, "rad/s2 of the torso's task"),
+        What::FootAstray { missed, .. } => (missed, "m/s2 of the foot's task"),
+        _ => return String::new(),
+    };
+    if missed >= 0.5 { format!(", {missed:.0} {of} given up") } else { String::new() }
 }
 
 /// The first cause.
@@ -105,14 +108,19 @@ fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -
             let time = event.time;
             format!("the {} slid {by:.2} m from {time:.2} s on (friction {friction}{belief})", plain(foot))
         }
-        What::OutOfReach { past, edge, longest, short, pushed } => {
+        What::OutOfReach { past, edge, longest, lasts, short, pushed } => {
             let longest = rounded(*longest);
             let who =
                 pushed.map_or("the XcoM got".to_owned(), |push| format!("the push of {push:.0} Ns carried the XcoM"));
             let time = event.time;
-            format!(
-                "{who} {past:.2} m past the {edge} by {time:.2} s, and the longest step of {longest} m fell {short:.2} m short of it"
-            )
+            // The XcoM runs away within a long step: how far it would is no place that anything reached.
+            let misses = if *short <= 2.0 * longest {
+                format!("the longest step of {longest} m fell {short:.2} m short of it")
+            } else {
+                let lasting = lasts.map_or(String::new(), |lasts| format!(" that lasts {} s", rounded(lasts)));
+                format!("no step of {longest} m{lasting} catches it")
+            };
+            format!("{who} {past:.2} m past the {edge} by {time:.2} s, and {misses}")
         }
         What::MissedGround { foot, lasted, lower } => {
             let why = slope(scenario)
@@ -140,6 +148,22 @@ fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -
                 format!("the program with hard {}", hard.join(", "))
             };
             format!("{what} had no solution in {ticks} of {of} ticks from {:.2} s on", event.time)
+        }
+        What::Stubbed { foot, higher } => {
+            format!("the {} met ground {:.0} cm higher on its way at {:.2} s", plain(foot), 100.0 * higher, event.time)
+        }
+        What::Unmet { force, given_up } => format!(
+            "the program let standing feet accelerate by {given_up:.0} m/s2 and so counted on {force:.0} N more than the ground gave"
+        ),
+        What::Upset { impulse, since } => format!("the push of {impulse:.0} Ns at {since:.2} s had upset it"),
+        What::Misled { delay, noise: [position, velocity] } => {
+            let told = [
+                (*delay > 0.0).then(|| format!("{} s late", rounded(*delay))),
+                (*position > 0.0).then(|| format!("with noise of {position:.1e} rad")),
+                (*velocity > 0.0).then(|| format!("with noise of {velocity:.1e} rad/s")),
+            ];
+            let told: Vec<String> = told.into_iter().flatten().collect();
+            format!("the controller was told of the state {}", told.join(" and "))
         }
         What::Outweighed { task, .. } => format!("the cost's weights put other tasks before the {task}'s"),
         What::EnergyFromNothing { joules } => {

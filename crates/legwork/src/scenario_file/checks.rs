@@ -75,8 +75,9 @@ fn conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
         return Some((&["duration_s", "controller.period_s"], problem));
     }
 
-    let delays: [(&'static [&'static str], f64, f64); 2] = [
+    let delays: [(&'static [&'static str], f64, f64); 3] = [
         (&["simulation.sensors.delay_s", "duration_s"], simulation.sensors.delay_s, control),
+        (&["simulation.sensors.load_delay_s", "duration_s"], simulation.sensors.load_delay_s, control),
         (&["simulation.actuators.delay_s", "duration_s"], simulation.actuators.delay_s, physics),
     ];
     for (paths, delay, period) in delays {

@@ -85,7 +85,7 @@ const FIXED: [(&str, &[&str]); 8] = [
 ];
 
 /// Settings, and tables of settings, that mean something only where another setting has one of these values.
-const USED_WITH: [(&str, &str, &[&str]); 12] = [
+const USED_WITH: [(&str, &str, &[&str]); 14] = [
     ("reference", "controller.kind", &["momentum"]),
     ("reference.com", "reference.generator", &["steps", "stance"]),
     ("reference.step", "reference.generator", &["steps"]),
@@ -98,6 +98,8 @@ const USED_WITH: [(&str, &str, &[&str]); 12] = [
     ("controller.tracking", "controller.kind", &["momentum"]),
     ("controller.limits", "controller.kind", &["momentum"]),
     ("controller.hold", "controller.kind", &["hold"]),
+    ("controller.lift_height_m", "controller.kind", &["momentum"]),
+    ("simulation.sensors.flag_force_n", "simulation.sensors.flag", &["force"]),
 ];
 
 /// Whether a setting or table `outer` is `path` or holds it.

@@ -545,6 +545,13 @@ pub const SETTINGS: &[Setting] = &[
         OURS,
         "Slope of the ground that the controller assumes where it is not told.",
     ),
+    number(
+        "controller.lift_height_m",
+        "m",
+        [0.0, 0.1],
+        OURS,
+        "How far from the height at which it was felt last a contact point that is no longer felt is taken to stand.",
+    ),
     //
     number(
         "controller.planner.angular_momentum_gain",
@@ -716,14 +723,14 @@ pub const SETTINGS: &[Setting] = &[
         "controller.limits.joint_limits",
         &["braking-distance", "approach"],
         "thesis (4.32)",
-        "How a joint is kept within its limits.",
+        "How a joint is kept within its range.",
     ),
     number(
         "controller.limits.approach_rate_1ps",
         "1/s",
         [1.0, 1e3],
         OURS,
-        "Rate of the approach of a joint to its limit: no faster than a critically damped joint of this rate.",
+        "Rate at which a joint comes to its largest speed, and with \"approach\" to the end of its range, as a critically damped joint of this rate.",
     ),
     //
     number(
@@ -825,7 +832,33 @@ pub const SETTINGS: &[Setting] = &[
         OURS,
         "Standard deviation of each measured velocity.",
     ),
-    number("simulation.sensors.delay_s", "s", DELAY, OURS, "Delay of the measured state."),
+    number("simulation.sensors.delay_s", "s", DELAY, OURS, "Delay of all that is measured."),
+    choice(
+        "simulation.sensors.flag",
+        &["gap", "force"],
+        OURS,
+        "What raises the flag of a contact point: a height of at most simulation.contact.flag_height_m, or a vertical force of more than simulation.sensors.flag_force_n.",
+    ),
+    number(
+        "simulation.sensors.flag_force_n",
+        "N",
+        [0.0, 1e4],
+        OURS,
+        "Vertical force on a contact point above which its flag is up; flag \"force\" only.",
+    ),
+    choice(
+        "simulation.sensors.loads",
+        &["measured", "none"],
+        OURS,
+        "Whether the controller is told the vertical forces on the contact points.",
+    ),
+    number(
+        "simulation.sensors.load_delay_s",
+        "s",
+        DELAY,
+        OURS,
+        "Delay of the measured forces on the contact points and of flags that are made of them, beside that of all that is measured.",
+    ),
     number("simulation.actuators.delay_s", "s", DELAY, OURS, "Delay of the torque behind its command."),
     number(
         "simulation.actuators.lag_s",
