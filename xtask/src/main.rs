@@ -3,6 +3,7 @@
 mod bench_peers;
 mod browser;
 mod count_instructions;
+mod tables;
 mod wasm;
 
 use std::env;
@@ -11,14 +12,16 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 
 const USAGE: &str =
-    "usage: cargo xtask test | count-instructions [--write] | bench-peers [--quick] [--only GROUPS] | wasm [--debian]
+    "usage: cargo xtask test | count-instructions [--write] | bench-peers [--quick] [--only GROUPS] | tables | wasm [--debian]
 
-  test                 format, lint, documentation, all Rust tests and doc tests, the report in a real browser,
-                       runs in WebAssembly, and the instructions; ends with the sum alone on a line
+  test                 format, lint, documentation, all Rust tests and doc tests, tables read by pandas, pyarrow, polars
+                       and duckdb (installed below target/python), the report in a real browser, runs in WebAssembly,
+                       and the instructions; ends with the sum alone on a line
   count-instructions   the instructions of tick, step, solve and dynamics beside those of bench/instructions.toml;
                        with --write they become those
   bench-peers          ours beside other people's programs, which it installs below target/peers; writes
                        docs/performance.md
+  tables               reads what legwork writes with pandas, pyarrow, polars and duckdb
   wasm                 builds controller, simulator and run for WebAssembly and compares the bits of runs in Node with
                        the native ones; --debian takes Debian's compiler, which it unpacks below target/wasm";
 
@@ -27,6 +30,11 @@ fn main() -> ExitCode {
         Some("test") => test(),
         Some("count-instructions") => count_instructions::run(&env::args().skip(2).collect::<Vec<_>>()),
         Some("bench-peers") => bench_peers::run(&env::args().skip(2).collect::<Vec<String>>()),
+        Some("tables") => {
+            let mut sum = Sum::default();
+            tables::test(&mut sum);
+            sum.end()
+        }
         Some("wasm") => wasm::run(&env::args().skip(2).collect::<Vec<_>>()),
         Some("help" | "--help" | "-h") => {
             say(USAGE);
@@ -50,6 +58,13 @@ impl Sum {
     /// Whether nothing failed.
     pub(crate) fn is_passed(&self) -> bool {
         self.failed == 0
+    }
+
+    /// Says the sum alone on a line.
+    fn end(&self) -> ExitCode {
+        say("");
+        say(&format!("{} passed, {} failed", self.passed, self.failed));
+        if self.is_passed() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
     }
 
     /// Counts one check.
@@ -79,23 +94,27 @@ fn test() -> ExitCode {
     );
     say("== tests");
     rust_tests(&mut sum);
+    say("== tables read by other people's libraries");
+    tables::test(&mut sum);
     say("== report in a browser");
     browser::test(&mut sum);
     say("== WebAssembly");
     wasm::test(&mut sum);
     say("== instructions");
     count_instructions::compare(&mut sum);
-    say("");
-    say(&format!("{} passed, {} failed", sum.passed, sum.failed));
-    if sum.is_passed() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    sum.end()
 }
 
 /// Runs all tests in the release profile and adds up the harnesses' own counts.
 fn rust_tests(sum: &mut Sum) {
-    let child = cargo(&["test", "--workspace", "--release", "--no-fail-fast"], &[]).stdout(Stdio::piped()).spawn();
-    let mut child = match child {
+    counted(cargo(&["test", "--workspace", "--release", "--no-fail-fast"], &[]), "the tests", sum);
+}
+
+/// Runs a command whose lines `test result: ... 12 passed; 3 failed` are counted; `name` is "the tests".
+pub(crate) fn counted(mut command: Command, name: &str, sum: &mut Sum) {
+    let mut child = match command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn() {
         Ok(child) => child,
-        Err(error) => return sum.count(&format!("cargo test cannot be started: {error}"), false),
+        Err(error) => return sum.count(&format!("{name} cannot be started: {error}"), false),
     };
     let (mut passed, mut failed) = (0, 0);
     for line in BufReader::new(child.stdout.take().expect("stdout is piped")).lines().map_while(Result::ok) {
@@ -109,10 +128,10 @@ fn rust_tests(sum: &mut Sum) {
     sum.failed += failed;
     let succeeded = child.wait().is_ok_and(|status| status.success());
     if !succeeded && failed == 0 {
-        sum.count("the tests did not build or did not run to their end", false);
+        sum.count(&format!("{name} did not build or did not run to their end"), false);
     }
     if passed == 0 {
-        sum.count("no test was executed", false);
+        sum.count(&format!("none of {name} was executed"), false);
     }
 }
 

@@ -5,7 +5,8 @@ use std::path::Path;
 use legwork::Robot;
 use legwork::error::Error;
 use legwork::library;
-use legwork_rbd::{Base, Dynamics, Joint, Model};
+use legwork_rbd::words::{PLACE, PROBLEM, list, one_line};
+use legwork_rbd::{Base, Dynamics, Joint, Model, file};
 use nalgebra::{DMatrix, Vector3};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
@@ -48,9 +49,9 @@ pub(crate) fn inspect(options: &InspectArgs, output: &mut Output) -> Result<(), 
 }
 
 fn read_state(path: &Path, model: &Model) -> Result<State, Error> {
-    let bytes = std::fs::read(path).map_err(|error| Error::io(path, &error))?;
+    let text = file::read_text(path, file::TEXT).map_err(|why| Error::unread(path, &why))?;
     let place = path.display().to_string();
-    let state: State = serde_json::from_slice(&bytes).map_err(|error| {
+    let state: State = serde_json::from_str(&text).map_err(|error| {
         let text = error.to_string();
         let what = if error.is_data() { "" } else { "not JSON: " };
         let found = text.split(" at line ").next().unwrap_or(&text);
@@ -59,7 +60,7 @@ fn read_state(path: &Path, model: &Model) -> Result<State, Error> {
     })?;
     for (key, found, names) in [("q", state.q.len(), model.q_names()), ("v", state.v.len(), model.v_names())] {
         if found != names.len() {
-            let problem = format!("found {found} numbers; {} are needed: {}", names.len(), names.join(", "));
+            let problem = format!("found {found} numbers; {} are needed: {}", names.len(), list(&names));
             return Err(Error::invalid(format!("{place}: {key}"), problem));
         }
     }
@@ -301,7 +302,7 @@ fn model_text(model: &Robot) -> String {
             &format!("  {:<22} on {} at ({}, {}, {}) m\n", frame.name, model.bodies[frame.body].name, p.x, p.y, p.z);
     }
     for warning in model.warnings() {
-        text += &format!("\n{}", folded(&format!("warning: {warning}"), 2));
+        text += &format!("\n{}", folded(&format!("warning: {}", one_line(&warning, PLACE + PROBLEM)), 2));
     }
     text
 }

@@ -7,6 +7,7 @@ use legwork::scenario::Scenario;
 use legwork::settings::{SETTINGS, Setting};
 use legwork::{library, scenario_file};
 use legwork_rbd::Model;
+use legwork_rbd::words::{self, quoted};
 use legwork_study::Study;
 use serde_json::{Value, json};
 
@@ -83,7 +84,7 @@ fn restrict(sections: &mut [Section], within: &str) -> Result<(), Error> {
         let mut valid: Vec<&str> =
             names.iter().map(|name| name.rsplit_once('.').map_or(name.as_str(), |(table, _)| table)).collect();
         valid.dedup();
-        let problem = format!("found '{within}', with which no name begins; valid are {}", valid.join(", "));
+        let problem = format!("found {}, with which no name begins; valid are {}", quoted(within), words::list(valid));
         return Err(Error::invalid("list", problem));
     }
     sections.iter_mut().for_each(|section| section.entries.retain(|entry| kept(&entry.0)));
@@ -190,7 +191,7 @@ pub(crate) fn show(options: &ShowArgs, output: &mut Output) -> Result<(), Failur
     if let Some(text) = library::study_text(&options.scenario) {
         if let Some(set) = options.sets.first() {
             let problem = "a study is shown as it is; give this to `legwork study`";
-            return Err(Error::invalid(format!("--set {}", set.escape_debug()), problem).into());
+            return Err(Error::invalid("--set ".to_owned() + set, problem).into());
         }
         return output.line(text.trim_end());
     }

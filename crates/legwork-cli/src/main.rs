@@ -27,7 +27,7 @@ use args::{Args, Command, StudyCommand};
 use output::{Failure, Output};
 
 fn main() -> ExitCode {
-    let args = Args::parse();
+    let args = Args::try_parse().unwrap_or_else(|error| output::refuse(&error));
     let mut output = Output::stdout();
     let done = match args.command.unwrap_or_else(Command::main_job) {
         Command::Run(options) => run::run(&options, &mut output),

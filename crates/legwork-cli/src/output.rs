@@ -6,6 +6,7 @@ use std::io::{self, BufWriter, ErrorKind, Stdout, Write};
 use std::path::{Path, PathBuf};
 
 use legwork::error::Error;
+use legwork_rbd::words::{PLACE, PROBLEM, one_line};
 use legwork_report::document::Page;
 use textwrap::{Options, WordSeparator, WordSplitter};
 
@@ -44,7 +45,10 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Input(error) => write!(f, "{error}"),
-            Self::Output { path, problem } => write!(f, "{}: cannot be written: {problem}", path.display()),
+            Self::Output { path, problem } => {
+                let (path, problem) = (path.display().to_string(), one_line(problem, PROBLEM));
+                write!(f, "{}: cannot be written: {problem}", one_line(&path, PLACE))
+            }
         }
     }
 }
@@ -88,6 +92,22 @@ fn on_stdout(error: io::Error) -> Failure {
 /// Says something on stderr; a closed stderr hears nothing.
 pub(crate) fn say(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
+}
+
+/// Warns on stderr, in one line of at most some hundred characters.
+pub(crate) fn warn(text: &str) {
+    say(&format!("warning: {}", one_line(text, PLACE + PROBLEM)));
+}
+
+/// Ends the program with what the command line's `error` says, or with the help that was asked for.
+pub(crate) fn refuse(error: &clap::Error) -> ! {
+    let text = error.render().to_string();
+    let plain = |line: &str| line.len() <= PROBLEM && !line.contains(char::is_control);
+    if error.use_stderr() && !text.lines().all(plain) {
+        text.trim_end().lines().for_each(|line| say(&one_line(line, PROBLEM)));
+        std::process::exit(error.exit_code());
+    }
+    error.exit()
 }
 
 /// The text in lines that fit a terminal; all but the first are indented.

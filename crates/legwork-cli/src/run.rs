@@ -16,7 +16,7 @@ use legwork_report::run as report;
 
 use crate::args::RunArgs;
 use crate::long_work::{INTERRUPTED, Progress, interrupted, listen_for_interrupt};
-use crate::output::{Failure, Output, check_writable, partial, put_in_place, say, write_file, write_text};
+use crate::output::{Failure, Output, check_writable, partial, put_in_place, say, warn, write_file, write_text};
 use crate::summary;
 
 pub(crate) fn run(options: &RunArgs, output: &mut Output) -> Result<ExitCode, Failure> {
@@ -31,7 +31,7 @@ pub(crate) fn run(options: &RunArgs, output: &mut Output) -> Result<ExitCode, Fa
         let text = if options.json { summary::json(&run).to_string() } else { summary::text(&run) };
         printed = output.line(text).and_then(|()| output.flush());
         for violation in run.violations() {
-            say(&format!("warning: {}: the simulation broke its own bounds: {violation}", run.scenario.name));
+            warn(&format!("{}: the simulation broke its own bounds: {violation}", run.scenario.name));
         }
         for passed in &run.limits_passed {
             say(&format!("warning: {}: {passed}", run.scenario.name));

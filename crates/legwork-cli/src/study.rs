@@ -11,7 +11,7 @@ use legwork_study::{Rollout, Study};
 
 use crate::args::{MergeArgs, StudyArgs};
 use crate::long_work::{INTERRUPTED, Progress, interrupted, listen_for_interrupt};
-use crate::output::{Failure, Output, say, write_page, write_text};
+use crate::output::{Failure, Output, say, warn, write_page, write_text};
 use crate::study_summary;
 
 /// What a rollout takes on the disk, tables and all, at most [bytes].
@@ -88,7 +88,7 @@ fn folders(options: &StudyArgs, studies: &[Study]) -> Result<Vec<PathBuf>, Error
 fn fill(study: &Study, store: &Store, folder: &Path, threads: Option<usize>) -> Result<bool, Failure> {
     let survey = store.survey()?;
     for damaged in &survey.damaged {
-        say(&format!("warning: {}: {}; it is made again", damaged.path.display(), damaged.problem));
+        warn(&format!("{}: {}; it is made again", damaged.path.display(), damaged.problem));
     }
     let missing: u64 =
         survey.missing.iter().map(|&chunk| store.range(chunk)).map(|range| range.end - range.start).sum();
@@ -119,15 +119,15 @@ fn publish(study: &Study, store: &Store, folder: &Path, json: bool, output: &mut
         let endings = results.endings(number);
         if endings.invalid + endings.failed > 0 {
             let count = endings.invalid + endings.failed;
-            say(&format!(
-                "warning: {}: {count} of {} rollouts could not be run; the column reason says why",
+            warn(&format!(
+                "{}: {count} of {} rollouts could not be run; the column reason says why",
                 base.name(),
                 endings.rollouts
             ));
         }
         if endings.doubtful > 0 {
-            say(&format!(
-                "warning: {}: {} of {} rollouts broke bounds of the simulation; the column violations says which",
+            warn(&format!(
+                "{}: {} of {} rollouts broke bounds of the simulation; the column violations says which",
                 base.name(),
                 endings.doubtful,
                 endings.rollouts

@@ -90,7 +90,7 @@ fn history(tuning: &Tuning, tuned: &Tuned) -> String {
     }
     text.push('\n');
     for generation in &tuned.history {
-        let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+        let number = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:?}"));
         let objectives = [generation.best.objective(), generation.mean, generation.best_so_far.objective()];
         text += &format!("{},{}", generation.evaluations, generation.feasible);
         for value in
@@ -111,7 +111,7 @@ fn cases(tuning: &Tuning, tuned: &Tuned) -> String {
         text += &format!(",{}{unit}", column.name);
     }
     text.push('\n');
-    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    let number = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:?}"));
     for (set, comparison) in sets(tuned) {
         for (design, rollout) in [("base", &comparison.base), ("tuned", &comparison.tuned)] {
             let (case, scenario) = (quoted(&comparison.case), quoted(&comparison.scenario));

@@ -2,13 +2,17 @@
 
 use std::path::PathBuf;
 
+use legwork_rbd::file::Unread;
+use legwork_rbd::words::{PLACE, PROBLEM, one_line};
+
 /// Why a scenario could not be read or run.
 ///
-/// Every message names the place (file, line, key), what was found and what would be valid.
+/// Every message names the place (file, line, key), what was found and what would be valid, in one line of a few hundred
+/// characters whatever is quoted in it.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A file or folder could not be read or written.
-    #[error("{}: {problem}", path.display())]
+    #[error("{}: {}", one_line(&path.display().to_string(), PLACE), one_line(.problem, PROBLEM))]
     Io {
         /// The file or folder.
         path: PathBuf,
@@ -16,7 +20,7 @@ pub enum Error {
         problem: String,
     },
     /// The content of a file or of a `--set` is not valid.
-    #[error("{place}: {problem}")]
+    #[error("{}: {}", one_line(.place, PLACE), one_line(.problem, PROBLEM))]
     Invalid {
         /// Where: `file:line: key`, or the key alone.
         place: String,
@@ -43,6 +47,15 @@ impl Error {
             _ => error.to_string(),
         };
         Self::Io { path: path.into(), problem }
+    }
+
+    /// Why the file at `path` is not read.
+    pub fn unread(path: impl Into<PathBuf>, why: &Unread) -> Self {
+        let path = path.into();
+        if why.is_io() {
+            return Self::Io { path, problem: why.to_string() };
+        }
+        Self::invalid(path.display().to_string(), why.to_string())
     }
 
     /// Whether the operating system, and not the content, is at fault (exit code 1 instead of 2).

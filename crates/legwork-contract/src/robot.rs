@@ -3,6 +3,7 @@
 use std::ops::{Deref, DerefMut};
 use std::path::Path;
 
+use legwork_rbd::words::{list, quoted};
 use legwork_rbd::{Base, Dynamics, Joint, Model, ModelError, Revolute, Roles};
 
 /// A [`Model`] whose parts have roles. It dereferences to the model, so that `&robot` serves wherever a `&Model` is wanted.
@@ -53,7 +54,7 @@ impl Robot {
             let foot = feet.iter().position(|foot| foot == name).unwrap_or(feet.len());
             if foot == feet.len() {
                 if roles.feet.is_some() {
-                    let problem = format!("unknown foot {name:?}; valid are {}", feet.join(", "));
+                    let problem = format!("unknown foot {}; valid are {}", quoted(name), list(feet));
                     let line = roles.lines.get(index).copied().flatten();
                     return invalid(line, &format!("contact {:?}", contact.name), problem);
                 }
@@ -67,9 +68,7 @@ impl Robot {
         let links = || model.bodies.iter().skip(model.root()).map(|body| body.name.as_str());
         let name = roles.torso.as_deref();
         let Some(torso) = links().position(|link| name.is_none_or(|name| link == name)) else {
-            let valid = links().take(30).collect::<Vec<_>>().join(", ");
-            let rest = if links().count() > 30 { ", …" } else { "" };
-            let problem = format!("unknown body {:?}; valid are {valid}{rest}", name.unwrap_or_default());
+            let problem = format!("unknown body {}; valid are {}", quoted(name.unwrap_or_default()), list(links()));
             return invalid(None, "torso", problem);
         };
         Ok(Self { torso: model.root() + torso, model, feet, foot_of })

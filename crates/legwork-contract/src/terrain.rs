@@ -4,6 +4,8 @@
 //! linear between knots, so that a point touches one straight piece. Controller and simulator each have their own ground: what
 //! the controller is not told it does not know.
 
+use std::collections::BTreeSet;
+
 use legwork_rbd::Model;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -148,8 +150,8 @@ impl Default for Ground {
 pub struct Terrain {
     plane: Surface,
     relief: Relief,
-    /// `[from, to, friction]`
-    patches: Vec<[f64; 3]>,
+    /// Where the friction becomes another, by place; none for the plane's.
+    patches: Vec<(f64, Option<f64>)>,
 }
 
 /// Heights above the plane [m].
@@ -180,7 +182,7 @@ impl Terrain {
                 from: ground.unevenness_from_m,
                 seed,
             },
-            patches: ground.patches.clone(),
+            patches: side_by_side(&ground.patches),
             ..Self::plane(model, ground.friction, ground.slopes())
         }
     }
@@ -232,8 +234,8 @@ impl Terrain {
 
     /// Coefficient of friction at `(x, y)` [m]; it is the same along y.
     pub fn friction_at(&self, x: f64, _y: f64) -> f64 {
-        let patch = self.patches.iter().rev().find(|[from, to, _]| (*from..*to).contains(&x));
-        patch.map_or(self.plane.friction, |patch| patch[2])
+        let begun = self.patches.partition_point(|patch| patch.0 <= x);
+        self.patches[..begun].last().and_then(|patch| patch.1).unwrap_or(self.plane.friction)
     }
 
     /// What contact points at `points` [m] meet. Those of one foot (`foot_of` has it for each) share a slope upward in x, that
@@ -379,6 +381,27 @@ impl Terrain {
         knots.dedup();
         knots
     }
+}
+
+/// Where the friction becomes another, of rows `[from, to, friction]` of which the last counts.
+fn side_by_side(patches: &[[f64; 3]]) -> Vec<(f64, Option<f64>)> {
+    let ends = |(row, &[from, to, _]): (usize, &[f64; 3])| [(from, row, true), (to, row, false)];
+    let mut ends: Vec<_> = patches.iter().enumerate().flat_map(ends).collect();
+    ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut covering = BTreeSet::new();
+    let mut changes: Vec<(f64, Option<f64>)> = Vec::with_capacity(ends.len());
+    for (place, row, begins) in ends {
+        if begins {
+            covering.insert(row);
+        } else {
+            covering.remove(&row);
+        }
+        if changes.last().is_some_and(|change| change.0 == place) {
+            changes.pop();
+        }
+        changes.push((place, covering.last().map(|&row| patches[row][2])));
+    }
+    changes
 }
 
 /// Heights above the plane between two places along x.
@@ -543,6 +566,20 @@ mod tests {
         // From -0.1 m, still level, to 0.15 m of height at 0.3 m.
         for (surface, steepness) in surfaces.iter().zip([0.375, 0.375, 0.5, 0.5]) {
             assert!((libm::tan(surface.slope) - steepness).abs() < 1e-12, "{}", libm::tan(surface.slope));
+        }
+    }
+
+    #[test]
+    fn of_patches_that_overlap_the_last_counts() {
+        let patches: Vec<[f64; 3]> = (0..60)
+            .map(|k| (f64::from(k * 37 % 50) * 0.1, f64::from(1 + k * 13 % 9) * 0.1, 0.01 * f64::from(k)))
+            .map(|(from, length, friction)| [from, from + length, friction])
+            .collect();
+        let ground = terrain(0, |ground| ground.patches = patches.clone());
+        let ends = patches.iter().flat_map(|[from, to, _]| [*from, *to]);
+        for x in ends.flat_map(|end| [end.next_down(), end, end.next_up()]).chain([-1.0, 9.0, f64::NAN]) {
+            let last = patches.iter().rev().find(|[from, to, _]| (*from..*to).contains(&x));
+            assert_eq!(ground.friction_at(x, 0.0), last.map_or(ground.base().friction, |patch| patch[2]), "at {x}");
         }
     }
 

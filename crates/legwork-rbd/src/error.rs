@@ -2,19 +2,25 @@
 
 use thiserror::Error;
 
+use crate::file::Unread;
+use crate::words::{PLACE, PROBLEM, one_line};
+
+/// Most characters of what a message is about.
+const SUBJECT: usize = 80;
+
 /// Why a model could not be read: every message names the file, the line where it is known, and what would be valid.
 #[derive(Debug, Error)]
 pub enum ModelError {
     /// The file could not be read.
-    #[error("{file}: cannot be read: {source}")]
-    Io {
+    #[error("{}: {source}", one_line(.file, PLACE))]
+    Unread {
         /// The path as given.
         file: String,
-        /// What the operating system says.
-        source: std::io::Error,
+        /// Why.
+        source: Unread,
     },
     /// The path is a folder.
-    #[error("{file}: is a folder; name a model file (.toml or .urdf) in it{files}")]
+    #[error("{}: is a folder; name a model file (.toml or .urdf) in it{files}", one_line(.file, PLACE))]
     Folder {
         /// The path as given.
         file: String,
@@ -22,21 +28,13 @@ pub enum ModelError {
         files: String,
     },
     /// The file's kind is not known.
-    #[error("{file}: unknown kind of file; valid are .toml and .urdf")]
+    #[error("{}: unknown kind of file; valid are .toml and .urdf", one_line(.file, PLACE))]
     UnknownKind {
         /// The path as given.
         file: String,
     },
-    /// The bytes are no text.
-    #[error("{file}: not UTF-8 (first bad byte at {offset}); a model is a text file, .toml or .urdf")]
-    NotUtf8 {
-        /// The path as given.
-        file: String,
-        /// The number of valid bytes before the first bad one.
-        offset: usize,
-    },
     /// The text is no TOML or XML, or has a key too many, too few or of the wrong type.
-    #[error("{}: {message}", place(.file, *.line))]
+    #[error("{}: {}", place(.file, *.line), one_line(.message, PROBLEM))]
     Syntax {
         /// The file's name.
         file: String,
@@ -46,7 +44,7 @@ pub enum ModelError {
         message: String,
     },
     /// The text can be read, but is no possible robot.
-    #[error("{}: {subject}: {problem}", place(.file, *.line))]
+    #[error("{}: {}: {}", place(.file, *.line), one_line(.subject, SUBJECT), one_line(.problem, PROBLEM))]
     Invalid {
         /// The file's name.
         file: String,
@@ -63,10 +61,15 @@ impl ModelError {
     /// Whether the file could not be read at all, as opposed to having bad content.
     #[must_use]
     pub fn is_io(&self) -> bool {
-        matches!(self, ModelError::Io { .. } | ModelError::Folder { .. })
+        match self {
+            Self::Unread { source, .. } => source.is_io(),
+            Self::Folder { .. } => true,
+            _ => false,
+        }
     }
 }
 
 fn place(file: &str, line: Option<usize>) -> String {
-    line.map_or_else(|| file.to_owned(), |line| format!("{file}:{line}"))
+    let file = one_line(file, PLACE);
+    line.map_or_else(|| file.clone(), |line| format!("{file}:{line}"))
 }

@@ -53,6 +53,7 @@ mod description;
 mod dynamics;
 mod elastic;
 mod error;
+pub mod file;
 mod forward_dynamics;
 mod frame;
 mod inverse_dynamics;
@@ -68,6 +69,7 @@ mod spatial;
 mod table;
 mod urdf;
 mod urdf_text;
+pub mod words;
 mod write;
 
 pub use base::Base;

@@ -7,10 +7,12 @@ use serde::de::DeserializeOwned;
 
 use crate::base::Base;
 use crate::error::ModelError;
+use crate::file;
 use crate::model::Model;
 use crate::read_toml::read_toml;
 use crate::roles::Roles;
 use crate::urdf::read_urdf;
+use crate::words::list;
 
 impl Model {
     /// Reads a model from a `.toml` or `.urdf` file. Beside `robot.urdf`, `robot.legwork.toml` is read if it exists
@@ -115,7 +117,7 @@ impl Model {
 
 /// A whole text file.
 fn read_text(path: &Path) -> Result<String, ModelError> {
-    let file = path.display().to_string();
+    let name = path.display().to_string();
     if path.is_dir() {
         let mut names: Vec<String> = std::fs::read_dir(path)
             .into_iter()
@@ -124,11 +126,10 @@ fn read_text(path: &Path) -> Result<String, ModelError> {
             .filter(|name| name.ends_with(".toml") || name.ends_with(".urdf"))
             .collect();
         names.sort();
-        let files = if names.is_empty() { String::new() } else { format!(": {}", names.join(", ")) };
-        return Err(ModelError::Folder { file, files });
+        let files = if names.is_empty() { String::new() } else { format!(": {}", list(names)) };
+        return Err(ModelError::Folder { file: name, files });
     }
-    let bytes = std::fs::read(path).map_err(|source| ModelError::Io { file: file.clone(), source })?;
-    String::from_utf8(bytes).map_err(|error| ModelError::NotUtf8 { file, offset: error.utf8_error().valid_up_to() })
+    file::read_text(path, file::TEXT).map_err(|source| ModelError::Unread { file: name, source })
 }
 
 /// A text with its name, for messages with a place.

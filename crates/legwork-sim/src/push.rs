@@ -1,5 +1,6 @@
 //! Forces that act on the robot for a time.
 
+use legwork_rbd::words::{list, quoted};
 use legwork_rbd::{Dynamics, Model};
 use nalgebra::Vector3;
 
@@ -19,6 +20,51 @@ enum Place {
 #[derive(Clone, Debug)]
 pub struct Pushes {
     pushes: Vec<(Push, Place, Vector3<f64>)>,
+    timetable: Timetable,
+}
+
+/// Which of many pushes act, for one who asks as time goes on: what is over or still to come is not looked at.
+#[derive(Clone, Debug, Default)]
+pub struct Timetable {
+    /// When each begins and ends [s].
+    spans: Vec<[f64; 2]>,
+    /// Their numbers, by when they begin.
+    order: Vec<usize>,
+    /// Of these, how many have begun.
+    begun: usize,
+    /// The numbers of those that have begun and, when it was looked last, were not over; in order.
+    acting: Vec<usize>,
+    /// The time that was asked for last [s].
+    time: f64,
+}
+
+impl Timetable {
+    /// The timetable of the `pushes`.
+    pub fn new(pushes: &[Push]) -> Self {
+        let spans: Vec<_> = pushes.iter().map(|push| [push.start_s, push.start_s + push.duration_s]).collect();
+        let mut order: Vec<_> = (0..spans.len()).collect();
+        order.sort_by(|&a, &b| spans[a][0].total_cmp(&spans[b][0]));
+        Self { acting: Vec::with_capacity(spans.len()), spans, order, begun: 0, time: f64::NEG_INFINITY }
+    }
+
+    /// The numbers of the pushes that act at some time between `from` and `to` [s], in order. Allocates nothing. To ask for
+    /// an earlier time than before takes as long as there are pushes.
+    pub fn acting(&mut self, [from, to]: [f64; 2]) -> &[usize] {
+        if from < self.time {
+            self.begun = 0;
+            self.acting.clear();
+        }
+        self.time = from;
+        self.acting.retain(|&push| self.spans[push][1] > from);
+        while let Some(&push) = self.order.get(self.begun).filter(|&&push| self.spans[push][0] < to) {
+            self.begun += 1;
+            if self.spans[push][1] > from {
+                let place = self.acting.partition_point(|&other| other < push);
+                self.acting.insert(place, push);
+            }
+        }
+        &self.acting
+    }
 }
 
 impl Pushes {
@@ -36,7 +82,7 @@ impl Pushes {
                         model.bodies.iter().filter(|body| body.mass > 0.0).map(|body| body.name.as_str()).collect();
                     Error::invalid(
                         format!("pushes.{index}.at"),
-                        format!("found '{}'; valid are com, {}", push.at, names.join(", ")),
+                        format!("found {}; valid are com, {}", quoted(&push.at), list(names)),
                     )
                 })?;
                 Place::Body { body, point: model.bodies[body].com + Vector3::from(push.point_m) }
@@ -48,17 +94,19 @@ impl Pushes {
             }
             Ok((push.clone(), place, push.force_n * direction))
         };
+        let timetable = Timetable::new(pushes);
         let pushes = pushes.iter().enumerate().map(resolve).collect::<Result<_, Error>>()?;
-        Ok(Self { pushes })
+        Ok(Self { pushes, timetable })
     }
 
     /// Adds the generalized force of all pushes that act at `time` [s] to `force`, and returns their sum [N].
     ///
     /// `period` is the time step [s]: a push that covers a part of it acts with that share of its force, so that its
     /// impulse is exact.
-    pub fn add(&self, dynamics: &Dynamics, time: f64, period: f64, force: &mut [f64]) -> Vector3<f64> {
+    pub fn add(&mut self, dynamics: &Dynamics, time: f64, period: f64, force: &mut [f64]) -> Vector3<f64> {
         let mut total = Vector3::zeros();
-        for (push, place, whole) in &self.pushes {
+        for &index in self.timetable.acting([time, time + period]) {
+            let (push, place, whole) = &self.pushes[index];
             let end = push.start_s + push.duration_s;
             let share = ((time + period).min(end) - time.max(push.start_s)) / period;
             // What rounding leaves of a step that the push does not reach.
@@ -76,5 +124,33 @@ impl Pushes {
             }
         }
         total
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn those_that_act_are_found_in_the_order_of_the_list_whatever_that_is() {
+        let mut number = 7_u64;
+        let mut random = |below: u64| {
+            number = number.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (number >> 33) % below
+        };
+        let mut push = |longest| Push {
+            start_s: random(100) as f64 * 0.1,
+            duration_s: random(longest) as f64 * 0.1,
+            ..Push::default()
+        };
+        let pushes: Vec<Push> = (0..300).map(|k| push(if k % 10 == 0 { 100 } else { 4 })).collect();
+        let mut timetable = Timetable::new(&pushes);
+        // Forward, a step back, forward, and to the begin.
+        for k in (0..120).chain(119..140).chain(0..3) {
+            let [from, to] = [0.083 * f64::from(k), 0.083 * f64::from(k + 1)];
+            let acts = |push: &Push| push.start_s < to && push.start_s + push.duration_s > from;
+            let expected: Vec<usize> = (0..pushes.len()).filter(|&index| acts(&pushes[index])).collect();
+            assert_eq!(timetable.acting([from, to]), expected, "from {from} s");
+        }
     }
 }

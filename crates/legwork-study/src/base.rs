@@ -1,6 +1,7 @@
 //! The scenarios that a study starts from, and how settings of scenario and model are varied.
 
 use legwork_rbd::ModelError;
+use legwork_rbd::words::list;
 use toml::Value;
 
 use legwork::Robot;
@@ -41,6 +42,7 @@ pub enum Change {
 #[derive(Clone, Debug)]
 pub struct Base {
     variant: Variant,
+    scenario_tree: Value,
     model_tree: Value,
 }
 
@@ -54,7 +56,7 @@ impl Base {
         let variant = Variant { scenario: loaded.scenario.clone(), model, samples };
         variant.check().map_err(|error| loaded.locate(error))?;
         let model_tree = toml::from_str(&variant.model.to_toml()).expect("a model is written as TOML");
-        Ok(Self { variant, model_tree })
+        Ok(Self { scenario_tree: settings::tree(&variant.scenario), variant, model_tree })
     }
 
     /// Reads a built-in scenario or a file; see [`scenario_file::load`].
@@ -101,7 +103,9 @@ impl Base {
     /// As [`Base::vary`].
     pub fn at_speed(&self, commanded: CommandedSpeed, speed_mps: f64) -> Result<Self, Error> {
         let speed = Change::To(Value::Float(speed_mps));
-        Ok(Self { variant: self.vary([(commanded.path, &speed)])?, model_tree: self.model_tree.clone() })
+        let variant = self.vary([(commanded.path, &speed)])?;
+        let scenario_tree = settings::tree(&variant.scenario);
+        Ok(Self { variant, scenario_tree, model_tree: self.model_tree.clone() })
     }
 
     /// The largest torque limit that any joint of it has [Nm]: the controller's, or the strongest joint's where that is lower.
@@ -122,8 +126,8 @@ impl Base {
     /// There is none; names what is near.
     pub fn value(&self, path: &str) -> Result<Value, Error> {
         let value = match path.strip_prefix(MODEL) {
-            Some(rest) => at(&mut self.model_tree.clone(), rest).cloned(),
-            None => settings::at(&mut settings::tree(&self.variant.scenario), path).cloned(),
+            Some(rest) => find(&self.model_tree, rest),
+            None => find(&self.scenario_tree, path),
         };
         let value = value.ok_or_else(|| self.unknown(path))?;
         if FIXED.contains(&path) {
@@ -133,7 +137,7 @@ impl Base {
             let problem = "is a table; valid is the path of one value in it";
             return Err(Error::invalid(path, problem));
         }
-        Ok(value)
+        Ok(value.clone())
     }
 
     /// The base with each path changed; [`Base::value`] says what paths there are.
@@ -142,7 +146,7 @@ impl Base {
     /// A path is unknown, or scenario or model are not valid with these values. The start pose is not tried.
     pub fn vary<'a>(&self, changes: impl IntoIterator<Item = (&'a str, &'a Change)>) -> Result<Variant, Error> {
         let mut variant = self.variant.clone();
-        let mut scenario = settings::tree(&variant.scenario);
+        let mut scenario = self.scenario_tree.clone();
         let mut model = None;
         let mut last = String::new();
         for (path, change) in changes {
@@ -187,7 +191,7 @@ impl Base {
                 format!("unknown; {near}`legwork list settings` has all; the model's begin with {MODEL}bodies")
             }
         };
-        Error::invalid(path.escape_debug().to_string(), problem)
+        Error::invalid(path, problem)
     }
 }
 
@@ -240,13 +244,24 @@ fn at<'a>(tree: &'a mut Value, path: &str) -> Option<&'a mut Value> {
 
 fn step<'a>(value: &'a mut Value, key: &str) -> Option<&'a mut Value> {
     match value {
-        Value::Table(table) => table.get_mut(key),
-        Value::Array(list) => match key.parse::<usize>() {
-            Ok(index) => list.get_mut(index),
-            Err(_) => list.iter_mut().find(|element| name_of(element) == Some(key)),
-        },
-        _ => None,
+        Value::Array(list) => {
+            let index = index(list, key)?;
+            list.get_mut(index)
+        }
+        other => other.get_mut(key),
     }
+}
+
+/// As [`at`], of a tree that stays as it is.
+fn find<'a>(tree: &'a Value, path: &str) -> Option<&'a Value> {
+    path.split('.').try_fold(tree, |value, key| match value {
+        Value::Array(list) => list.get(index(list, key)?),
+        other => other.get(key),
+    })
+}
+
+fn index(list: &[Value], key: &str) -> Option<usize> {
+    key.parse().ok().or_else(|| list.iter().position(|element| name_of(element) == Some(key)))
 }
 
 fn name_of(element: &Value) -> Option<&str> {
@@ -255,24 +270,19 @@ fn name_of(element: &Value) -> Option<&str> {
 
 /// What is wrong with a path into the model, with what would be valid at the first wrong key.
 fn unknown_in(tree: &Value, path: &str) -> String {
-    let (mut tree, mut place) = (tree.clone(), "model".to_owned());
+    let (mut tree, mut place) = (tree, "model".to_owned());
     for key in path.split('.') {
-        match step(&mut tree, key) {
-            Some(found) => {
-                tree = found.clone();
-                place = format!("{place}.{key}");
-            }
-            None => break,
-        }
+        let Some(found) = find(tree, key) else { break };
+        (tree, place) = (found, format!("{place}.{key}"));
     }
-    let valid: Vec<String> = match &tree {
+    let valid: Vec<String> = match tree {
         Value::Table(table) => table.keys().cloned().collect(),
         Value::Array(list) => {
             list.iter().enumerate().map(|(i, e)| name_of(e).map_or(i.to_string(), str::to_owned)).collect()
         }
         _ => return format!("unknown; {place} is a single value"),
     };
-    format!("unknown; valid in {place} are {}", valid.join(", "))
+    format!("unknown; valid in {place} are {}", list(valid))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The file of a study: its keys, and the checks of what is in it.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -9,6 +10,7 @@ use crate::design::Design;
 use crate::factor::{Factor, Level, Levels, Range};
 use legwork::error::Error;
 use legwork::settings;
+use legwork_rbd::words::quoted;
 
 /// A study as its file has it.
 #[derive(Debug, Deserialize, Serialize)]
@@ -72,12 +74,12 @@ const RESERVED: [&str; 10] = [
     "fell_at_s",
 ];
 
-/// Whether two paths are the same or one leads into what the other holds.
-fn touches(a: &str, b: &str) -> bool {
-    let holds = |outer: &str, inner: &str| {
-        inner.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
-    };
-    holds(a, b) || holds(b, a)
+/// Whether no path among the `taken` is `path` or leads into what the other holds; it is taken then.
+fn take(path: &str, taken: &mut BTreeSet<String>) -> bool {
+    let outer = path.match_indices('.').any(|(dot, _)| taken.contains(&path[..dot]));
+    let within = format!("{path}.");
+    let inner = taken.range(within.clone()..).next().is_some_and(|next| next.starts_with(&within));
+    !outer && !inner && taken.insert(path.to_owned())
 }
 
 /// A text with its file's name, to say where something stands.
@@ -120,8 +122,7 @@ impl StudyFile {
         };
         let text = name.get_ref();
         if text.trim().is_empty() || text.contains(['/', '\\']) || text.contains(char::is_control) {
-            let problem =
-                format!("found \"{}\"; valid is a text that can be part of a file's name", text.escape_debug());
+            let problem = format!("found {}; valid is a text that can be part of a file's name", quoted(text));
             return Err(source.error(name.span().start, "name", problem));
         }
         Ok(text.clone())
@@ -171,10 +172,11 @@ impl StudyFile {
     pub(super) fn factors(&self, source: &Source) -> Result<Vec<Factor>, Error> {
         let sampled = !matches!(self.design.get_ref(), DesignName::OneAtATime | DesignName::Grid);
         let mut factors: Vec<Factor> = Vec::with_capacity(self.factors.len());
+        let (mut names, mut taken) = (BTreeSet::new(), BTreeSet::new());
         for (index, entry) in self.factors.iter().enumerate() {
             let wrong = |problem: String| source.error(entry.span().start, &format!("factors.{index}"), problem);
             let factor = entry.get_ref().factor(sampled).map_err(wrong)?;
-            if factors.iter().any(|other| other.name == factor.name) {
+            if !names.insert(factor.name.clone()) {
                 return Err(wrong(format!("another factor is called \"{}\" as well", factor.name)));
             }
             if RESERVED.contains(&factor.name.as_str()) || factor.name.contains('.') && entry.get_ref().name.is_some() {
@@ -184,11 +186,7 @@ impl StudyFile {
                 );
                 return Err(wrong(problem));
             }
-            let mut paths = factors.iter().flat_map(|other| &other.paths).chain(&factor.paths);
-            let twice = |path: &&String| {
-                factor.paths.iter().filter(|own| touches(own, path)).count() > usize::from(factor.paths.contains(path))
-            };
-            if let Some(path) = paths.find(twice) {
+            if let Some(path) = factor.paths.iter().find(|path| !take(path, &mut taken)) {
                 return Err(wrong(format!(
                     "{path} is changed twice, here and by another path; each value has one factor"
                 )));
@@ -217,9 +215,9 @@ impl FactorEntry {
             _ => return Err("needs exactly one of list, linear and logarithmic".into()),
         };
         if let Levels::List(list) = &levels {
-            let twice = (1..list.len()).find(|&i| list[..i].contains(&list[i]));
-            if let Some(twice) = twice {
-                return Err(format!("list: {} is in it twice", list[twice]));
+            let mut found = BTreeSet::new();
+            if let Some(twice) = list.iter().find(|level| !found.insert(format!("{level:?}"))) {
+                return Err(format!("list: {twice} is in it twice"));
             }
             if self.relative && list.iter().any(|level| level.number().is_none()) {
                 return Err("list: only numbers can multiply; leave relative out".into());

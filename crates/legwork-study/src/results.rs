@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::design::Design;
 use crate::rollout::Column;
 use crate::sensitivity::{Bootstrap, Effects, Indices, morris, sobol_indices};
-use crate::table::{self, Cell, TableWriter};
+use crate::table::{self, Cell, Kind, TableWriter};
 use crate::{Ending, Level, Rollout, Study};
 use legwork::error::Error;
 
@@ -223,9 +223,9 @@ pub fn write_table(
 ) -> Result<(), Error> {
     let figures = study.columns();
     let mut columns = vec![table::Column::number("rollout", ""), table::Column::text("scenario")];
-    let texts: Vec<bool> = study.factors.iter().map(|factor| has_texts(&factor.levels.extremes())).collect();
-    for (factor, &is_text) in study.factors.iter().zip(&texts) {
-        columns.push(table::Column { name: factor.name.clone(), unit: factor.unit().to_owned(), is_text });
+    let kinds: Vec<Kind> = study.factors.iter().map(|factor| kind(&factor.levels.extremes())).collect();
+    for (factor, &kind) in study.factors.iter().zip(&kinds) {
+        columns.push(table::Column { name: factor.name.clone(), unit: factor.unit().to_owned(), kind });
     }
     columns.extend(["ending", "cause", "reason", "violations", "input_hash", "result_hash"].map(table::Column::text));
     columns.extend([table::Column::number(SURVIVED, ""), table::Column::number("fell_at_s", "s")]);
@@ -235,10 +235,11 @@ pub fn write_table(
     for (index, rollout) in rollouts.enumerate() {
         let (rollout, point) = (rollout?, study.point(index as u64));
         let mut cells = vec![Cell::Number(index as f64), study.bases[point.base].name().into()];
-        cells.extend(point.levels.iter().zip(&texts).map(|(level, &is_text)| match level {
-            None => Cell::Empty,
-            Some(Level::Number(number)) if !is_text => Cell::Number(*number),
-            Some(level) => Cell::Text(level.to_string()),
+        cells.extend(point.levels.iter().zip(&kinds).map(|(level, kind)| match (level, kind) {
+            (None, _) => Cell::Empty,
+            (Some(Level::Number(number)), Kind::Number) => Cell::Number(*number),
+            (Some(Level::Flag(flag)), Kind::Flag) => Cell::Flag(*flag),
+            (Some(level), _) => Cell::Text(level.to_string()),
         }));
         let text = |text: &Option<String>| text.clone().map_or(Cell::Empty, Cell::Text);
         cells.extend([
@@ -255,8 +256,13 @@ pub fn write_table(
     writer.finish()
 }
 
-fn has_texts(levels: &[Level]) -> bool {
-    levels.iter().any(|level| level.number().is_none())
+/// What a column of these levels holds: of several kinds, their texts.
+fn kind(levels: &[Level]) -> Kind {
+    match levels {
+        numbers if numbers.iter().all(|level| matches!(level, Level::Number(_))) => Kind::Number,
+        flags if flags.iter().all(|level| matches!(level, Level::Flag(_))) => Kind::Flag,
+        _ => Kind::Text,
+    }
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use crate::rollout::Column;
 use crate::{Base, Change, Factor, Level, Rollout, Variant};
 use legwork::error::Error;
 use legwork::library::{self, Kind};
+use legwork_rbd::words::{list, quoted};
 
 /// Scenarios, factors and a design: what is run, and in which order.
 #[derive(Clone, Debug)]
@@ -111,7 +112,7 @@ impl Study {
         for metric in &file.metrics {
             if !columns.iter().any(|column| column.name == *metric.get_ref()) {
                 let names: Vec<_> = columns.iter().map(|column| column.name.as_str()).collect();
-                let problem = format!("found \"{}\"; valid are {}", metric.get_ref().escape_debug(), names.join(", "));
+                let problem = format!("found {}; valid are {}", quoted(metric.get_ref()), list(names));
                 return Err(source.error(metric.span().start, "metrics", problem));
             }
         }

@@ -24,6 +24,8 @@ pub enum Cell {
     Number(f64),
     /// A text.
     Text(String),
+    /// True or false.
+    Flag(bool),
 }
 
 impl From<f64> for Cell {
@@ -44,6 +46,17 @@ impl From<&str> for Cell {
     }
 }
 
+/// What all cells of a column hold that are not empty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Numbers.
+    Number,
+    /// Texts.
+    Text,
+    /// True or false.
+    Flag,
+}
+
 /// A column.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
@@ -51,19 +64,19 @@ pub struct Column {
     pub name: String,
     /// Its unit, or nothing.
     pub unit: String,
-    /// Whether it holds texts instead of numbers.
-    pub is_text: bool,
+    /// What it holds.
+    pub kind: Kind,
 }
 
 impl Column {
     /// A column of numbers.
     pub fn number(name: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self { name: name.into(), unit: unit.into(), is_text: false }
+        Self { name: name.into(), unit: unit.into(), kind: Kind::Number }
     }
 
     /// A column of texts.
     pub fn text(name: impl Into<String>) -> Self {
-        Self { name: name.into(), unit: String::new(), is_text: true }
+        Self { name: name.into(), unit: String::new(), kind: Kind::Text }
     }
 }
 
@@ -112,6 +125,7 @@ impl TableWriter {
             // The shortest text that reads back to the same bits, and with a point: what looks whole would be read as an integer.
             Cell::Number(number) => format!("{number:?}"),
             Cell::Text(text) => text.clone(),
+            Cell::Flag(flag) => flag.to_string(),
         });
         self.csv.write_record(texts).map_err(|error| failed(&self.paths[0], error))?;
         self.rows.push(cells);
@@ -160,8 +174,11 @@ fn parquet_writer(
     metadata: &[(&str, String)],
 ) -> ParquetResult<SerializedFileWriter<BufWriter<File>>> {
     let fields = columns.iter().map(|column| {
-        let kind = if column.is_text { PhysicalType::BYTE_ARRAY } else { PhysicalType::DOUBLE };
-        let logical = column.is_text.then_some(LogicalType::String);
+        let (kind, logical) = match column.kind {
+            Kind::Number => (PhysicalType::DOUBLE, None),
+            Kind::Text => (PhysicalType::BYTE_ARRAY, Some(LogicalType::String)),
+            Kind::Flag => (PhysicalType::BOOLEAN, None),
+        };
         let field = Type::primitive_type_builder(&column.name, kind).with_logical_type(logical);
         Ok(Arc::new(field.with_repetition(Repetition::OPTIONAL).build()?))
     });
@@ -198,7 +215,14 @@ fn write_row_group(writer: &mut SerializedFileWriter<BufWriter<File>>, rows: &[V
                 });
                 writer.write_batch(&texts.collect::<Vec<_>>(), Some(&present), None)?;
             }
-            _ => unreachable!("columns hold numbers or texts"),
+            ColumnWriter::BoolColumnWriter(writer) => {
+                let flags = cells().filter(|cell| **cell != Cell::Empty).map(|cell| match cell {
+                    Cell::Flag(flag) => *flag,
+                    other => unreachable!("{other:?} in a column of flags"),
+                });
+                writer.write_batch(&flags.collect::<Vec<_>>(), Some(&present), None)?;
+            }
+            _ => unreachable!("columns hold numbers, texts or flags"),
         }
         column.close()?;
         index += 1;

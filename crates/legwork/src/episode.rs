@@ -409,7 +409,9 @@ impl Episode {
     }
 
     fn write_down_balance(&mut self, before: &Moment) {
-        let zmp = self.meter.zmp(&self.model, self.dynamics(), before, &self.moment());
+        let moment = self.moment();
+        let dynamics = of_truth(&self.dynamics, self.plant.as_ref());
+        let zmp = self.meter.zmp(&self.model, dynamics, before, &moment);
         let mut record = Record::new(&self.columns, &mut self.record);
         let measures = self.meter.of(|field| record.get(field));
         let [cop_reference, xcom_reference] = self

@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use legwork_rbd::Base;
+use legwork_rbd::words::{list, quoted};
+use legwork_rbd::{Base, file};
 
 use crate::error::Error;
 use crate::robot::Robot;
@@ -214,7 +215,7 @@ pub fn open(kind: Kind, name_or_path: &str, folder: Option<&Path>) -> Result<Doc
             Error::Io { path, problem }
         });
     }
-    Ok(Document { text: read_text(&path)?.into(), file_name: path.display().to_string(), path: Some(path) })
+    Ok(Document { text: read_text(&path, file::TEXT)?.into(), file_name: path.display().to_string(), path: Some(path) })
 }
 
 /// Whether a text can only be the name of something built in, and no path.
@@ -230,11 +231,7 @@ fn not_found(kind: &str, name: &str, names: impl Iterator<Item = &'static str>) 
     let near = names.iter().copied().filter(|known| likeness(known) > 0.8);
     let near = near.max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
     let hint = near.map_or(String::new(), |near| format!("did you mean {near}? "));
-    format!(
-        "neither a built-in {kind} nor a file is called \"{}\"; {hint}built-in: {}",
-        name.escape_debug(),
-        names.join(", ")
-    )
+    format!("neither a built-in {kind} nor a file is called {}; {hint}built-in: {}", quoted(name), list(names))
 }
 
 /// Whether this build reads files.
@@ -246,21 +243,20 @@ fn may_read(path: &Path) -> Result<(), Error> {
 }
 
 /// A whole text file.
-fn read_text(path: &Path) -> Result<String, Error> {
+fn read_text(path: &Path, most: u64) -> Result<String, Error> {
     may_read(path)?;
-    let bytes = std::fs::read(path).map_err(|error| Error::io(path, &error))?;
-    String::from_utf8(bytes).map_err(|error| {
-        let offset = error.utf8_error().valid_up_to();
-        Error::invalid(path.display().to_string(), format!("not UTF-8 text (first bad byte at {offset})"))
-    })
+    file::read_text(path, most).map_err(|why| Error::unread(path, &why))
 }
+
+/// The most that a file of samples may hold [bytes]: an hour of them at 1 kHz.
+const SAMPLES: u64 = 256_000_000;
 
 /// Reads the samples `[t_s, x_m, z_m]` of a CoM trajectory from a CSV file with these columns, among others perhaps.
 ///
 /// # Errors
 /// The file cannot be read, lacks a column, or holds what is no number, out of range or too short.
 pub fn load_samples(path: &Path) -> Result<Vec<[f64; 3]>, Error> {
-    let text = read_text(path)?;
+    let text = read_text(path, SAMPLES)?;
     let file = path.display();
     let invalid = |error: csv::Error| Error::invalid(file.to_string(), error.to_string());
     let mut reader =
@@ -269,9 +265,8 @@ pub fn load_samples(path: &Path) -> Result<Vec<[f64; 3]>, Error> {
     let mut columns = [0; 3];
     for (index, column) in columns.iter_mut().zip(&TRAJECTORY_COLUMNS) {
         *index = header.iter().position(|name| name == column.name).ok_or_else(|| {
-            let found = header.iter().collect::<Vec<_>>().join(", ");
             let needed = TRAJECTORY_COLUMNS.map(|column| column.name).join(", ");
-            let (name, found) = (column.name, found.escape_debug());
+            let (name, found) = (column.name, list(&header));
             Error::invalid(
                 file.to_string(),
                 format!("the column {name} is missing; found {found}; needed are {needed}"),
@@ -287,7 +282,7 @@ pub fn load_samples(path: &Path) -> Result<Vec<[f64; 3]>, Error> {
             *value = cell.parse().ok().filter(|number| column.holds(*number)).ok_or_else(|| {
                 let place = format!("{file}:{}: {}", line_of(&record, &text), column.name);
                 let valid = Valid::Number { min: column.min, max: column.max };
-                Error::invalid(place, format!("found \"{}\"; valid is {valid}", cell.escape_debug()))
+                Error::invalid(place, format!("found {}; valid is {valid}", quoted(cell)))
             })?;
         }
         samples.push(sample);

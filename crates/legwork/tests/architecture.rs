@@ -90,6 +90,18 @@ fn time_is_measured_in_one_place_and_threads_are_in_another() {
     }
 }
 
+/// One function has the largest size, refuses devices, and knows byte order marks; but the machine's own files are others.
+#[test]
+fn files_are_read_in_one_place() {
+    for (file, code) in LIBRARIES.iter().chain(&PROGRAMS[..2]).flat_map(|place| sources(place)) {
+        if !file.ends_with("legwork-rbd/src/file.rs") && !file.ends_with("bench/machine.rs") {
+            for word in ["fs::read(", "read_to_string", "File::open", "read_to_end"] {
+                assert!(!code.contains(word), "{file} reads a file by {word}");
+            }
+        }
+    }
+}
+
 #[test]
 fn every_source_file_says_what_it_holds() {
     for place in LIBRARIES.iter().chain(&PROGRAMS) {

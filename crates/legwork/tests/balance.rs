@@ -13,7 +13,7 @@ const ZMP: usize = 3;
 /// Largest and mean distance of the zero-moment point, of masses and velocities, from the centre of pressure, of contact
 /// forces and contact points [m].
 fn zmp_from_cop(run: &Run) -> [f64; 2] {
-    let meter = Meter::new(&run.scenario, &run.model);
+    let mut meter = Meter::new(&run.scenario, &run.model);
     let zmps = meter.zmps(&run.model, &run.log);
     let both = zmps.iter().enumerate().filter_map(|(tick, zmp)| zmp.zip(meter.at(&run.log, tick).cop));
     let distances: Vec<f64> = both.map(|([x, y], [cop_x, cop_y])| (x - cop_x).hypot(y - cop_y)).collect();
@@ -62,7 +62,7 @@ fn a_centre_of_pressure_lies_in_the_support_and_a_wanted_one_may_not() {
 #[test]
 fn the_log_of_soles_has_the_measures_of_its_records() {
     let run = common::run("push-walking", &["duration_s=6"]);
-    let meter = Meter::new(&run.scenario, &run.model);
+    let mut meter = Meter::new(&run.scenario, &run.model);
     let zmps = meter.zmps(&run.model, &run.log);
     let mut kept = [0.0; 5];
     for tick in 0..run.log.len() - 1 {

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::output::say;
+use crate::output::warn;
 
 /// The machine, the program and the clock.
 #[derive(Clone, Debug, Serialize)]
@@ -52,15 +52,10 @@ impl Machine {
     pub(super) fn warn(&self) {
         if self.opt_level != "3" {
             let level = self.opt_level;
-            say(&format!(
-                "warning: built with opt-level {level}; `cargo build --release` makes what is worth measuring"
-            ));
+            warn(&format!("built with opt-level {level}; `cargo build --release` makes what is worth measuring"));
         }
         if let Some(load) = self.load.filter(|&load| load > 0.5 * self.cores as f64) {
-            say(&format!(
-                "warning: this machine is busy (load {load} of {} cores); figures may be too high",
-                self.cores
-            ));
+            warn(&format!("this machine is busy (load {load} of {} cores); figures may be too high", self.cores));
         }
     }
 }

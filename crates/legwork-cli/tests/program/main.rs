@@ -3,6 +3,7 @@
 mod bench;
 mod commands;
 mod compare;
+mod files;
 mod inspect;
 mod interrupt;
 mod json;
@@ -81,7 +82,8 @@ impl Folder {
         let done = self.legwork(arguments);
         assert_eq!((done.code, done.out.as_str()), (code, ""), "{arguments:?}: {}", done.err);
         let message = done.err.strip_prefix("error: ").unwrap_or_else(|| panic!("{arguments:?}: {}", done.err));
-        assert!(!message.trim_end().contains('\n'), "more than a paragraph: {message}");
+        assert!(!message.trim_end().contains(char::is_control), "more than a line: {message}");
+        assert!(message.chars().count() < 750, "no short message: {message}");
         for word in words {
             assert!(message.contains(word), "{word:?} is not in {message:?}");
         }

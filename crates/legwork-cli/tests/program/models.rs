@@ -103,7 +103,7 @@ fn files_that_are_empty_cut_or_no_text() {
         folder.refuses(
             2,
             &["inspect", name],
-            &[&format!("{name}: not UTF-8"), "a model is a text file, .toml or .urdf"],
+            &[&format!("{name}: not UTF-8 text: found the byte 0x89 in line 1, column 1")],
         );
         folder.file(name, "words, words, words");
         folder.refuses(2, &["inspect", name], &[name]);
@@ -127,9 +127,13 @@ fn models_that_cannot_be_read() {
     folder.file("robots/a.toml", MODEL);
     folder.refuses(2, &["inspect", "planar"], &["neither a built-in model nor a file", "built-in: planar_humanoid"]);
     folder.refuses(2, &["inspect", ""], &["called \"\"", "built-in: planar_humanoid"]);
-    folder.refuses(1, &["inspect", "robot.urdf"], &["robot.urdf: cannot be read"]);
+    folder.refuses(1, &["inspect", "robot.urdf"], &["robot.urdf: no such file or folder"]);
     folder.refuses(1, &["inspect", "robots"], &["robots: is a folder", "a.toml, b.urdf"]);
-    folder.refuses(1, &["inspect", &format!("{}.urdf", "n".repeat(5000))], &["cannot be read"]);
+    folder.refuses(
+        1,
+        &["inspect", &format!("{}.urdf", "n".repeat(5000))],
+        &["n.urdf: cannot be read: File name too long"],
+    );
 }
 
 #[test]

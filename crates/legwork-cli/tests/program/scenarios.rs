@@ -96,10 +96,10 @@ fn models_and_bodies_that_a_scenario_names() {
     folder.file("my.toml", "seed = 1\nmodel = \"humanoid\"\n");
     folder.refuses(2, &["run", "my.toml"], &["my.toml:2: model: neither", "built-in: planar_humanoid"]);
     folder.file("my.toml", "model = \"there/robot.urdf\"\n");
-    folder.refuses(1, &["run", "my.toml"], &["there/robot.urdf: cannot be read"]);
+    folder.refuses(1, &["run", "my.toml"], &["there/robot.urdf: no such file or folder"]);
     folder.file("my.toml", "[[pushes]]\nforce_n = 1\nstart_s = 0\nduration_s = 1\nat = \"head\"\n");
-    folder.refuses(2, &["run", "my.toml"], &["my.toml:5: pushes.0.at: found 'head'; valid are com, right_shank"]);
-    folder.refuses(2, &["run", "push", "--set", "pushes.0.at=head"], &["--set pushes.0.at: found 'head'"]);
+    folder.refuses(2, &["run", "my.toml"], &["my.toml:5: pushes.0.at: found \"head\"; valid are com, right_shank"]);
+    folder.refuses(2, &["run", "push", "--set", "pushes.0.at=head"], &["--set pushes.0.at: found \"head\""]);
     folder.file("one-legged.toml", MODEL.replace("    { name = \"left_foot\"", "#"));
     folder.refuses(2, &["run", "stand", "--set", "model=one-legged.toml"], &["--set model: ", "1 contact points"]);
 }

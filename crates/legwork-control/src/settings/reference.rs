@@ -285,7 +285,7 @@ impl WalkerSettings {
     /// Where the schedule has no row; a scenario that was read has one.
     pub fn scheduled(&self, speed: f64) -> [f64; 5] {
         let (rows, speed) = (&self.schedule, speed.abs());
-        let after = rows.iter().position(|row| row[0] > speed).unwrap_or(rows.len());
+        let after = rows.partition_point(|row| row[0] <= speed);
         let (a, b) = (rows[after.saturating_sub(1)], rows[after.min(rows.len() - 1)]);
         let share = if a[0] < b[0] { ((speed - a[0]) / (b[0] - a[0])).clamp(0.0, 1.0) } else { 0.0 };
         std::array::from_fn(|k| a[k + 1] + share * (b[k + 1] - a[k + 1]))

@@ -36,7 +36,8 @@ pub(super) struct Balance<'a> {
 
 impl<'a> Balance<'a> {
     pub(super) fn new(run: &Run, times: &'a [f64]) -> Self {
-        let meter = Meter::new(&run.scenario, &run.model);
+        let mut meter = Meter::new(&run.scenario, &run.model);
+        let zmps = meter.zmps(&run.model, &run.log);
         let ahead = if times.is_empty() { [1.0, 0.0] } else { meter.ahead(|field| run.log.get(0, field)) };
         let com = |index: usize| run.log.get(index, Field::Com);
         let capture = |index: usize| meter.capture_along(|field| run.log.get(index, field), ahead);
@@ -46,7 +47,7 @@ impl<'a> Balance<'a> {
             com: (0..times.len()).map(|index| along(ahead, [com(index)[0], com(index)[1]])).collect(),
             captures: (0..times.len()).map(capture).collect(),
             measures: (0..times.len()).map(|index| meter.at(&run.log, index)).collect(),
-            zmps: meter.zmps(&run.model, &run.log),
+            zmps,
         }
     }
 

@@ -6,6 +6,7 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use legwork::error::Error;
+use legwork_rbd::file::{self, Unread};
 
 /// The ending of a file that is still being written.
 const UNFINISHED: &str = ".tmp";
@@ -49,12 +50,15 @@ pub(super) fn finished(name: &str) -> &str {
     name.strip_suffix(UNFINISHED).unwrap_or(name)
 }
 
+/// No file of a store holds more [bytes].
+const LARGEST: u64 = 1_000_000_000;
+
 /// The bytes of the file, if there is one.
 pub(super) fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>, Error> {
-    match fs::read(path) {
+    match file::read(path, LARGEST) {
         Ok(bytes) => Ok(Some(bytes)),
-        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(Error::io(path, &error)),
+        Err(Unread::Io(error)) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(why) => Err(Error::unread(path, &why)),
     }
 }
 

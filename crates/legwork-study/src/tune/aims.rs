@@ -5,6 +5,7 @@ use super::file::{ConstraintEntry, TermEntry, TuningFile, check_positive};
 use crate::file::Source;
 use crate::rollout::Column;
 use legwork::error::Error;
+use legwork_rbd::words::{list, quoted};
 
 /// A figure of some of the training cases.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,7 +98,7 @@ fn terms(
     let meant: Vec<usize> = (0..columns.len()).filter(|&column| matches(metric, &columns[column].name)).collect();
     if meant.is_empty() {
         let names: Vec<_> = columns.iter().map(|column| column.name.as_str()).collect();
-        let problem = format!("metric: found \"{}\"; valid are {}", metric.escape_debug(), names.join(", "));
+        let problem = format!("metric: found {}; valid are {}", quoted(metric), list(names));
         return Err(wrong(problem));
     }
     let weight = entry.weight.unwrap_or(1.0);
@@ -132,8 +133,8 @@ fn chosen(
     if unknown.is_some() || names.is_empty() {
         let mut known: Vec<_> = training.iter().map(&name_of).collect();
         known.dedup();
-        let found = unknown.map_or("none".to_owned(), |name| format!("\"{}\"", name.escape_debug()));
-        return Err(format!("{key}: found {found}; valid are {}", known.join(", ")));
+        let found = unknown.map_or("none".to_owned(), |name| quoted(name));
+        return Err(format!("{key}: found {found}; valid are {}", list(known)));
     }
     let is_chosen = |&case: &usize| names.iter().any(|name| name == name_of(&training[case]));
     Ok((0..training.len()).filter(is_chosen).collect())

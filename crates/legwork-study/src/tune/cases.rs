@@ -30,6 +30,7 @@ pub struct Case {
     base: Base,
     changes: Vec<(String, Change)>,
     variant: Variant,
+    hash: u128,
 }
 
 impl Case {
@@ -100,7 +101,7 @@ impl Reader<'_> {
                 if other.name == case.name {
                     return Err(wrong(format!("another case is called \"{}\" as well", other.name)));
                 }
-                if other.variant.input_hash() == case.variant.input_hash() {
+                if other.hash == case.hash {
                     return Err(wrong(format!("\"{}\" is the case \"{}\" over again", case.name, other.name)));
                 }
             }
@@ -132,7 +133,7 @@ impl Reader<'_> {
         let variant = base.vary(changes.iter().map(|(path, change)| (path.as_str(), change)))?;
         variant.check()?;
         let name = entry.name.clone().unwrap_or_else(|| described(base.name(), &changes));
-        Ok(Case { name, weight, base, changes, variant })
+        Ok(Case { name, weight, base, changes, hash: variant.input_hash(), variant })
     }
 
     /// The scenario that the entry names, read once.
@@ -146,12 +147,12 @@ impl Reader<'_> {
             return Ok(known.base.clone());
         }
         let base = Base::load(&entry.scenario, &[])?;
-        let wrong = |problem| Err(Error::invalid(format!("scenario, {}", entry.scenario.escape_debug()), problem));
+        let wrong = |problem| Err(Error::invalid(format!("scenario, {}", entry.scenario), problem));
         if families.iter().any(|family| family.base.name() == base.name()) {
             return wrong(format!("another scenario is called \"{}\" as well", base.name()));
         }
         let joints = |base: &Base| base.variant().model.dofs.iter().map(|dof| dof.name.clone()).collect::<Vec<_>>();
-        if let Some(other) = families.iter().find(|family| joints(&family.base) != joints(&base)) {
+        if let Some(other) = families.first().filter(|family| joints(&family.base) != joints(&base)) {
             return wrong(format!("it has another robot than {}; give it a tuning of its own", other.base.name()));
         }
         self.families.push(Family { extends: entry.scenario.clone(), base: base.clone() });

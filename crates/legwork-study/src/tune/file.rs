@@ -10,6 +10,7 @@ use super::{Settings, Tuning, aims, factors};
 use crate::file::{FactorEntry, Source};
 use crate::rollout::columns;
 use legwork::error::Error;
+use legwork_rbd::words::quoted;
 
 /// A tuning as its file has it.
 #[derive(Debug, Deserialize, Serialize)]
@@ -126,7 +127,7 @@ impl TuningFile {
         let text = name.get_ref();
         if text.trim().is_empty() || text.contains(['/', '\\']) || text.contains(char::is_control) {
             let problem = "valid is a text that can be part of a file's name";
-            let problem = format!("found \"{}\"; {problem}", text.escape_debug());
+            let problem = format!("found {}; {problem}", quoted(text));
             return Err(source.error(name.span().start, "name", problem));
         }
         Ok(text.clone())

@@ -13,6 +13,7 @@ use crate::generator::xcom::{eigenfrequency, xcom};
 use crate::log::{Field, Log};
 use crate::robot::Robot;
 use crate::scenario::{GeneratorKind, Push, Scenario};
+use crate::sim::push::Timetable;
 use crate::terrain::Terrain;
 
 /// The measures of a record [m].
@@ -68,6 +69,7 @@ pub struct Meter {
     gravity: f64,
     limits: StepLimits,
     pushes: Vec<Push>,
+    timetable: Timetable,
     /// The foot of each contact point.
     foot_of: Vec<usize>,
     /// The contact points at the heel, then those at the toe, of each foot; none for a planar robot.
@@ -87,6 +89,7 @@ impl Meter {
             gravity: model.gravity,
             limits: StepLimits::of(scenario),
             pushes: scenario.pushes.clone(),
+            timetable: Timetable::new(&scenario.pushes),
             foot_of: model.foot_of.clone(),
         }
     }
@@ -165,7 +168,7 @@ impl Meter {
 
     /// The zero-moment point [m] of how the robot moved from one moment to another, `dynamics` being those of the second;
     /// none in flight. Allocates nothing.
-    pub fn zmp(&self, model: &Model, dynamics: &Dynamics, before: &Moment, after: &Moment) -> Option<Point> {
+    pub fn zmp(&mut self, model: &Model, dynamics: &Dynamics, before: &Moment, after: &Moment) -> Option<Point> {
         let period = after.time - before.time;
         if period <= 0.0 {
             return None;
@@ -174,13 +177,15 @@ impl Meter {
         let (from, to) = (&before.momentum, &after.momentum);
         let rate =
             Centroidal { linear: (to.linear - from.linear) / period, angular: (to.angular - from.angular) / period };
-        let push = Centroidal::of_pushes(&self.pushes, model, dynamics, [before.time, after.time]);
+        let times = [before.time, after.time];
+        let pushes = self.timetable.acting(times).iter().map(|&push| &self.pushes[push]);
+        let push = Centroidal::of_pushes(pushes, model, dynamics, times);
         let ground = self.ground.plane_at(com.x, com.y);
         zero_moment_point(&ground, self.weight, &com, &rate.of_ground(self.weight, &push))
     }
 
     /// The zero-moment point of each record of `log` up to the next [m]; none in flight and for the last.
-    pub fn zmps(&self, model: &Model, log: &Log) -> Vec<Option<Point>> {
+    pub fn zmps(&mut self, model: &Model, log: &Log) -> Vec<Option<Point>> {
         let mut dynamics = Dynamics::new(model);
         let mut before = None;
         let mut zmps = Vec::with_capacity(log.len());

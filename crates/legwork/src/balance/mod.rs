@@ -61,7 +61,12 @@ impl Centroidal {
     }
 
     /// The mean of `pushes` over the time `[from, to]` [s], in the pose of `dynamics`. Allocates nothing.
-    pub fn of_pushes(pushes: &[Push], model: &Model, dynamics: &Dynamics, [from, to]: [f64; 2]) -> Self {
+    pub fn of_pushes<'a>(
+        pushes: impl IntoIterator<Item = &'a Push>,
+        model: &Model,
+        dynamics: &Dynamics,
+        [from, to]: [f64; 2],
+    ) -> Self {
         let mut sum = Self::default();
         for push in pushes {
             let share = (to.min(push.start_s + push.duration_s) - from.max(push.start_s)) / (to - from);

@@ -1,5 +1,6 @@
 //! The checks of a resolved scenario: each value by itself, then values against one another.
 
+use legwork_rbd::words::quoted;
 use toml::Value;
 
 use super::draft::Draft;
@@ -57,7 +58,7 @@ impl Draft {
 fn conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
     let Scenario { name, duration_s: duration, controller, simulation, reference, .. } = scenario;
     if name.trim().is_empty() || name.contains(['/', '\\']) || name.contains(char::is_control) {
-        let problem = format!("found \"{}\"; valid is a text that can be part of a file's name", name.escape_debug());
+        let problem = format!("found {}; valid is a text that can be part of a file's name", quoted(name));
         return Some((&["name"], problem));
     }
 

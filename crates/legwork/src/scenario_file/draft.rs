@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use legwork_rbd::words::list;
 use toml::Value;
 use toml::de::DeValue;
 
@@ -15,18 +16,24 @@ pub(super) const PATHS: [&str; 2] = ["model", "reference.com.file"];
 
 /// Where values come from.
 pub(super) enum Source<'a> {
-    File { name: &'a str, text: &'a str },
+    /// A file, with the place at which each of its lines ends.
+    File {
+        name: &'a str,
+        ends: Vec<usize>,
+    },
     CommandLine,
 }
 
-impl Source<'_> {
+impl<'a> Source<'a> {
+    /// A file of this text.
+    pub(super) fn file(name: &'a str, text: &str) -> Self {
+        Self::File { name, ends: text.match_indices('\n').map(|(at, _)| at).collect() }
+    }
+
     /// `file:line` of a byte.
     pub(super) fn line(&self, offset: usize) -> String {
         match self {
-            Self::File { name, text } => {
-                let before = &text.as_bytes()[..offset.min(text.len())];
-                format!("{name}:{}", 1 + before.iter().filter(|byte| **byte == b'\n').count())
-            }
+            Self::File { name, ends } => format!("{name}:{}", 1 + ends.partition_point(|end| *end < offset)),
             Self::CommandLine => "--set".to_owned(),
         }
     }
@@ -96,7 +103,7 @@ impl Draft {
     pub(super) fn set(&mut self, assignment: &str) -> Result<(), Error> {
         let Some((path, text)) = assignment.split_once('=') else {
             let problem = "found no \"=\"; valid is path=value, such as ground.friction=0.5";
-            return Err(Error::invalid(format!("--set {}", assignment.escape_debug()), problem));
+            return Err(Error::invalid("--set ".to_owned() + assignment, problem));
         };
         let (path, text) = (path.trim(), text.trim());
         let place = format!("--set {}", path.escape_debug());
@@ -214,7 +221,7 @@ fn unknown_key(path: &str, table: &toml::Table) -> String {
 }
 
 fn keys(table: &toml::Table) -> String {
-    table.keys().map(String::as_str).collect::<Vec<_>>().join(", ")
+    list(table.keys())
 }
 
 /// A value for "found ...".

@@ -171,6 +171,9 @@ fn resolve(origin: Origin, sets: &[String]) -> Result<Loaded, Error> {
     Ok(Loaded { scenario, folder: origin.folder, file_name: origin.file_name, places: draft.places })
 }
 
+/// Most scenarios in a row of which each extends the next: the stack has an end.
+const DEEPEST: usize = 100;
+
 /// A scenario's text and where it is from.
 struct Origin<'a> {
     /// Equal for the same file, however it is named.
@@ -194,7 +197,7 @@ impl Origin<'_> {
 
     /// Its values over those of the scenario that it extends; `extending` are the scenarios that extend this one.
     fn draft(&self, extending: &mut Vec<(PathBuf, String)>) -> Result<Draft, Error> {
-        let source = Source::File { name: &self.file_name, text: &self.text };
+        let source = Source::file(&self.file_name, &self.text);
         let mut document = DeTable::parse(&self.text)
             .map_err(|error| {
                 let place = source.line(error.span().map_or(self.text.len(), |span| span.start));
@@ -231,6 +234,9 @@ impl Origin<'_> {
             let chain = extending.iter().map(|(_, name)| name.as_str()).chain([origin.file_name.as_str()]);
             let chain = chain.collect::<Vec<_>>().join(" -> ");
             return Err(Error::invalid(place, format!("the scenarios extend one another in a circle: {chain}")));
+        }
+        if extending.len() > DEEPEST {
+            return Err(Error::invalid(place, format!("scenarios extend one another in a row of more than {DEEPEST}")));
         }
         let mut draft = origin.draft(extending)?;
         if let (Some(_), Some(folder)) = (&origin.folder, Path::new(name).parent()) {

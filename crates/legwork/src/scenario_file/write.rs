@@ -18,33 +18,34 @@ pub fn to_toml(scenario: &Scenario) -> String {
     let mut tree = settings::in_use(scenario);
     let mut text = String::new();
     for group in SETTINGS.chunk_by(|a, b| a.table() == b.table()) {
-        match group[0].table() {
+        let group: Vec<_> = group.iter().map(|setting| (setting, wrapped(&comment(setting)))).collect();
+        match group[0].0.table() {
             "pushes.N" => {
                 for index in 0..scenario.pushes.len() {
                     text += "\n[[pushes]]\n";
-                    write_values(group, &index.to_string(), &mut tree, &mut text);
+                    write_values(&group, &index.to_string(), &mut tree, &mut text);
                 }
             }
             table => {
-                if group.iter().all(|setting| at(&mut tree, setting.path).is_none()) {
+                if group.iter().all(|(setting, _)| at(&mut tree, setting.path).is_none()) {
                     continue;
                 }
                 if !table.is_empty() {
                     let _ = writeln!(text, "\n[{table}]");
                 }
-                write_values(group, "", &mut tree, &mut text);
+                write_values(&group, "", &mut tree, &mut text);
             }
         }
     }
     text
 }
 
-/// The values of a table that are in use; `index` stands for the N in their paths.
-fn write_values(group: &[Setting], index: &str, tree: &mut Value, text: &mut String) {
-    for setting in group {
+/// The values of a table that are in use, each with its comment; `index` stands for the N in their paths.
+fn write_values(group: &[(&Setting, String)], index: &str, tree: &mut Value, text: &mut String) {
+    for (setting, comment) in group {
         let path = setting.path.replace('N', index);
         let Some(value) = at(tree, &path) else { continue };
-        let _ = writeln!(text, "{}{} = {value}", wrapped(&comment(setting)), setting.key());
+        let _ = writeln!(text, "{comment}{} = {value}", setting.key());
     }
 }
 

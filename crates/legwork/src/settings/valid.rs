@@ -2,6 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 
+use legwork_rbd::words::quoted;
 use toml::Value;
 
 /// What a value may be. NaN and infinity never are.
@@ -105,10 +106,7 @@ pub fn in_words(value: &Value) -> String {
     match value {
         Value::Table(_) => "a table".to_owned(),
         Value::Array(_) => "a list".to_owned(),
-        Value::String(text) if text.chars().count() > 60 => {
-            format!("the text \"{}...\"", text.chars().take(57).collect::<String>().escape_debug())
-        }
-        Value::String(text) => format!("the text \"{}\"", text.escape_debug()),
+        Value::String(text) => format!("the text {}", quoted(text)),
         Value::Float(number) => format!("{number:?}").to_lowercase(),
         other => other.to_string(),
     }

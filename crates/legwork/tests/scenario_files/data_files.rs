@@ -49,7 +49,7 @@ fn samples_that_are_none() {
         assert_says(load_samples(Path::new(&path)), &format!("{path}{line}"), &[words]);
     }
     let path = folder.file("binary.csv", b"t_s,x_m,z_m\n0,\xff,0\n");
-    assert_says(load_samples(Path::new(&path)), &path, &["not UTF-8 text (first bad byte at 14)"]);
+    assert_says(load_samples(Path::new(&path)), &path, &["not UTF-8 text: found the byte 0xff in line 2, column 3"]);
     assert!(load_samples(&folder.0.join("none.csv")).expect_err("there is none").is_io());
     assert!(load_samples(&folder.0).expect_err("it is a folder").is_io());
 }

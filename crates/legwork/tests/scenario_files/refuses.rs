@@ -212,7 +212,7 @@ fn files_that_cannot_be_read() {
     assert!(load(&path, &[]).expect_err("it is a folder").is_io());
 
     let binary = folder.file("binary.toml", b"seed = 1\n\xff\xfe");
-    assert_says(load(&binary, &[]), &binary, &["not UTF-8 text (first bad byte at 9)"]);
+    assert_says(load(&binary, &[]), &binary, &["not UTF-8 text: found the byte 0xff in line 2, column 1"]);
 }
 
 #[test]
@@ -233,4 +233,19 @@ fn extends_that_lead_nowhere() {
     let top = folder.file("top.toml", "extends = 'base.toml'\n");
     assert_says(load(&top, &[]), &format!("{base}:2: duration_s"), &["found -1"]);
     assert!(load(&top, &sets(&["duration_s=1"])).is_ok());
+}
+
+#[test]
+fn a_row_of_scenarios_has_an_end() {
+    let folder = Folder::new("row");
+    let write = |k: usize, base: &str| folder.file(&format!("{k}.toml"), format!("extends = \"{base}\"\n").as_bytes());
+    (1..300).for_each(|k| drop(write(k, &format!("{}.toml", k - 1))));
+    let first = write(0, "walk");
+    let path = |k: usize| first.replace("0.toml", &format!("{k}.toml"));
+    assert!(load(&path(99), &[]).is_ok());
+    assert_says(
+        load(&path(299), &[]),
+        &format!("{}:1: extends", path(199)),
+        &["extend one another in a row of more than 100"],
+    );
 }

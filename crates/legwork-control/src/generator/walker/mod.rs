@@ -175,9 +175,10 @@ impl Walker {
     /// The speed that is asked for at `time` [s].
     fn wanted_speed(&self, time: f64) -> f64 {
         let rows = &self.settings.speeds;
-        let Some(after) = rows.iter().position(|row| row[0] > time) else {
+        let after = rows.partition_point(|row| row[0] <= time);
+        if after == rows.len() {
             return rows.last().map_or(self.settings.speed_mps, |row| row[1]);
-        };
+        }
         if after == 0 {
             return rows[0][1];
         }
