@@ -1,5 +1,6 @@
 //! The robot: a model of its dynamics, and which parts of it are torso and feet.
 
+use std::collections::HashMap;
 use std::ops::{Deref, DerefMut};
 use std::path::Path;
 
@@ -45,24 +46,30 @@ impl Robot {
             Err(ModelError::Invalid { file: roles.file.clone(), line, subject: subject.to_owned(), problem })
         };
         let mut feet = roles.feet.clone().unwrap_or_default();
-        if let Some(twice) = (0..feet.len()).find(|&i| feet[..i].contains(&feet[i])) {
-            return invalid(None, "feet", format!("{:?} is given twice", feet[twice]));
+        let mut index_of = HashMap::new();
+        for (index, foot) in feet.iter().enumerate() {
+            if index_of.insert(foot.clone(), index).is_some() {
+                return invalid(None, "feet", format!("{foot:?} is given twice"));
+            }
         }
         let mut foot_of = Vec::with_capacity(model.nc());
         for (index, contact) in model.contacts.iter().enumerate() {
             let name = roles.foot.get(index).and_then(Option::as_ref).unwrap_or(&contact.name);
-            let foot = feet.iter().position(|foot| foot == name).unwrap_or(feet.len());
+            let foot = index_of.get(name).copied().unwrap_or(feet.len());
             if foot == feet.len() {
                 if roles.feet.is_some() {
-                    let problem = format!("unknown foot {}; valid are {}", quoted(name), list(feet));
+                    let problem = format!("unknown foot {}; valid are {}", quoted(name), list(&feet));
                     let line = roles.lines.get(index).copied().flatten();
                     return invalid(line, &format!("contact {:?}", contact.name), problem);
                 }
+                index_of.insert(name.clone(), foot);
                 feet.push(name.clone());
             }
             foot_of.push(foot);
         }
-        if let Some(idle) = (0..feet.len()).find(|foot| !foot_of.contains(foot)) {
+        let mut stands = vec![false; feet.len()];
+        foot_of.iter().for_each(|&foot| stands[foot] = true);
+        if let Some(idle) = stands.iter().position(|stands| !stands) {
             return invalid(None, "feet", format!("{:?} has no contact point", feet[idle]));
         }
         let links = || model.bodies.iter().skip(model.root()).map(|body| body.name.as_str());

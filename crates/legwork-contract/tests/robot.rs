@@ -104,7 +104,7 @@ fn urdf_of_the_planar_humanoid_is_the_planar_humanoid() {
             let dof = &toml.dofs[body.v_index];
             joints += &format!(
                 "<joint name='{}' type='revolute'><origin xyz='0 0 {}'/><parent link='{}'/><child link='{}'/>\
-                 <axis xyz='0 -1 0'/><limit lower='{}' upper='{}' effort='0' velocity='0'/></joint>\n",
+                 <axis xyz='0 -1 0'/><limit lower='{}' upper='{}' effort='inf' velocity='inf'/></joint>\n",
                 body.joint_name,
                 body.placement.translation.z,
                 toml.bodies[body.parent.unwrap()].name,

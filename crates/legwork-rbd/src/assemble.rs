@@ -1,5 +1,7 @@
 //! Puts a [`Model`] together: the base's own joints, indices, contact points, frames.
 
+use std::collections::{HashMap, HashSet};
+
 use nalgebra::{Matrix3, Vector3};
 
 use crate::description::{BodyDescription, Description, FrameDescription, JointDescription};
@@ -9,7 +11,13 @@ use crate::model::{Body, ContactPoint, Dof, Model};
 use crate::spatial::Placement;
 
 impl Description {
-    pub(crate) fn assemble(&self, order: &[usize]) -> Model {
+    /// The bodies' indices in the model by name, of bodies in this `order`.
+    pub(crate) fn places(&self, order: &[usize]) -> HashMap<&str, usize> {
+        let virtual_bodies = self.base.joints().len().saturating_sub(1);
+        order.iter().enumerate().map(|(i, &index)| (self.bodies[index].name.as_str(), virtual_bodies + i)).collect()
+    }
+
+    pub(crate) fn assemble(&self, order: &[usize], places: &HashMap<&str, usize>) -> Model {
         let mut model = Model {
             name: self.name.clone(),
             base: self.base,
@@ -40,8 +48,7 @@ impl Description {
             let body = &self.bodies[index];
             match (&body.parent, own) {
                 (Some(parent), _) => {
-                    let parent = model.body_index(parent);
-                    push_body(&mut model, body, &body.joint, parent);
+                    push_body(&mut model, body, &body.joint, Some(places[parent.as_str()]));
                 }
                 (None, None) => push_body(&mut model, body, &body.joint, carrier),
                 (None, Some((name, joint))) => {
@@ -54,39 +61,46 @@ impl Description {
         model
     }
 
-    pub(crate) fn add_contacts(&self, model: &mut Model) -> Result<(), ModelError> {
-        for (i, contact) in self.contacts.iter().enumerate() {
+    pub(crate) fn add_contacts(&self, model: &mut Model, places: &HashMap<&str, usize>) -> Result<(), ModelError> {
+        let mut names = HashSet::new();
+        for contact in &self.contacts {
             let subject = format!("contact {:?}", contact.name);
-            if self.contacts[..i].iter().any(|other| other.name == contact.name) {
+            if !names.insert(&contact.name) {
                 let problem = "the name is given twice; contact names must differ".to_owned();
                 return Err(self.invalid_beside(contact.line, subject, problem));
             }
-            let body = self.body(model, &contact.body, contact.line, &subject)?;
+            let body = self.body(places, &contact.body, contact.line, &subject)?;
             model.contacts.push(ContactPoint { name: contact.name.clone(), body, position: contact.position });
         }
         Ok(())
     }
 
-    pub(crate) fn add_frames(&self, model: &mut Model) -> Result<(), ModelError> {
+    pub(crate) fn add_frames(&self, model: &mut Model, places: &HashMap<&str, usize>) -> Result<(), ModelError> {
+        let mut names: HashSet<_> = model.bodies.iter().map(|body| body.name.clone()).collect();
         for FrameDescription { name, body, placement, line } in &self.frames {
             let subject = format!("frame {name:?}");
             if name.trim().is_empty() {
                 return Err(self.invalid_beside(*line, "a frame's name", "is empty".to_owned()));
             }
-            if model.frame(name).is_some() {
+            if !names.insert(name.clone()) {
                 let problem = "the name is given twice; names of frames and bodies must differ".to_owned();
                 return Err(self.invalid_beside(*line, subject, problem));
             }
-            let body = self.body(model, body, *line, &subject)?;
+            let body = self.body(places, body, *line, &subject)?;
             model.frames.push(Frame { name: name.clone(), body, placement: *placement });
         }
         Ok(())
     }
 
     /// The index of a body that the file names.
-    fn body(&self, model: &Model, name: &str, line: Option<usize>, subject: &str) -> Result<usize, ModelError> {
-        let known = self.bodies.iter().any(|body| body.name == name);
-        model.body_index(name).filter(|_| known).ok_or_else(|| {
+    fn body(
+        &self,
+        places: &HashMap<&str, usize>,
+        name: &str,
+        line: Option<usize>,
+        subject: &str,
+    ) -> Result<usize, ModelError> {
+        places.get(name).copied().ok_or_else(|| {
             let problem = format!("unknown body {name:?}; {}", self.known_bodies());
             self.invalid_beside(line, subject, problem)
         })

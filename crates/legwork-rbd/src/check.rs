@@ -1,5 +1,8 @@
 //! What is impossible (names, numbers, trees, coordinates that move nothing or leave the plane) and what is odd.
 
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap, HashSet};
+
 use nalgebra::Matrix3;
 
 use crate::base::Base;
@@ -8,6 +11,7 @@ use crate::dynamics::Dynamics;
 use crate::error::ModelError;
 use crate::model::{Dof, Model};
 use crate::spatial::Placement;
+use crate::words;
 
 impl Description {
     pub(crate) fn check_names(&self) -> Result<(), ModelError> {
@@ -16,7 +20,8 @@ impl Description {
         }
         let reserved = self.base.coordinates();
         let virtual_bodies = reserved.len().saturating_sub(1);
-        for (i, body) in self.bodies.iter().enumerate() {
+        let (mut names, mut joint_names) = (HashSet::new(), HashSet::new());
+        for body in &self.bodies {
             let (subject, joint) = (format!("body {:?}", body.name), &body.joint);
             if body.name.trim().is_empty() {
                 return Err(self.invalid(body.line, "a body's name", "is empty"));
@@ -24,11 +29,10 @@ impl Description {
             if body.parent.is_some() && joint.name.trim().is_empty() {
                 return Err(self.invalid(joint.line.or(body.line), subject, "the name of its joint is empty"));
             }
-            if self.bodies[..i].iter().any(|other| other.name == body.name) {
+            if !names.insert(&body.name) {
                 return Err(self.invalid(body.line, subject, "the name is given twice; body names must differ"));
             }
-            let others = self.bodies[..i].iter().filter(|other| other.parent.is_some());
-            if body.parent.is_some() && others.into_iter().any(|other| other.joint.name == joint.name) {
+            if body.parent.is_some() && !joint_names.insert(&joint.name) {
                 let problem = "the name is given twice; joint names must differ";
                 return Err(self.invalid(joint.line, format!("joint {:?}", joint.name), problem));
             }
@@ -89,39 +93,37 @@ impl Description {
 
     /// Indices of the bodies, parents first, otherwise in the order of the file.
     pub(crate) fn order(&self) -> Result<Vec<usize>, ModelError> {
-        let roots: Vec<_> = self.bodies.iter().filter(|body| body.parent.is_none()).collect();
+        let name = |index: &usize| &self.bodies[*index].name;
+        let roots: Vec<_> = (0..self.bodies.len()).filter(|&index| self.bodies[index].parent.is_none()).collect();
         if let [_, second, ..] = roots[..] {
-            let names: Vec<_> = roots.iter().map(|body| body.name.as_str()).collect();
-            let problem = format!("{} bodies have no parent ({}); a robot has one root", roots.len(), names.join(", "));
+            let names = words::list(roots.iter().map(name));
+            let problem = format!("{} bodies have no parent ({names}); a robot has one root", roots.len());
+            let second = &self.bodies[second];
             return Err(self.invalid(second.line, format!("body {:?}", second.name), problem));
         }
-        for body in &self.bodies {
-            if let Some(parent) = &body.parent
-                && !self.bodies.iter().any(|other| other.name == *parent)
-            {
+        let index_of: HashMap<_, _> = self.bodies.iter().enumerate().map(|(index, body)| (&body.name, index)).collect();
+        let mut children = vec![Vec::new(); self.bodies.len()];
+        for (index, body) in self.bodies.iter().enumerate() {
+            let Some(parent) = &body.parent else { continue };
+            let Some(&parent) = index_of.get(parent) else {
                 let problem = format!("unknown parent {parent:?}; {}", self.known_bodies());
                 return Err(self.invalid(body.line, format!("body {:?}", body.name), problem));
-            }
-        }
-        let mut order: Vec<usize> = Vec::with_capacity(self.bodies.len());
-        let mut placed = vec![false; self.bodies.len()];
-        while order.len() < self.bodies.len() {
-            let next = (0..self.bodies.len()).find(|&i| {
-                !placed[i]
-                    && self.bodies[i]
-                        .parent
-                        .as_ref()
-                        .is_none_or(|parent| order.iter().any(|&k: &usize| self.bodies[k].name == *parent))
-            });
-            let Some(next) = next else {
-                let stuck: Vec<_> = (0..placed.len()).filter(|&i| !placed[i]).collect();
-                let names: Vec<_> = stuck.iter().map(|&i| self.bodies[i].name.as_str()).collect();
-                let problem = format!("is in a loop of parents ({}); a robot is a tree", names.join(", "));
-                let body = &self.bodies[stuck[0]];
-                return Err(self.invalid(body.line, format!("body {:?}", body.name), problem));
             };
-            placed[next] = true;
-            order.push(next);
+            children[parent].push(index);
+        }
+        let mut order = Vec::with_capacity(self.bodies.len());
+        let mut next: BinaryHeap<_> = roots.into_iter().map(Reverse).collect();
+        while let Some(Reverse(index)) = next.pop() {
+            order.push(index);
+            next.extend(children[index].drain(..).map(Reverse));
+        }
+        if order.len() < self.bodies.len() {
+            let placed: HashSet<_> = order.into_iter().collect();
+            let stuck: Vec<_> = (0..self.bodies.len()).filter(|index| !placed.contains(index)).collect();
+            let names = words::list(stuck.iter().map(name));
+            let body = &self.bodies[stuck[0]];
+            let problem = format!("is in a loop of parents ({names}); a robot is a tree");
+            return Err(self.invalid(body.line, format!("body {:?}", body.name), problem));
         }
         Ok(order)
     }
@@ -131,38 +133,36 @@ impl Description {
         if model.total_mass() <= 0.0 {
             return Err(self.invalid(None, "bodies", "no body has mass"));
         }
-        let mut dynamics = Dynamics::new(model);
-        let (q, v) = (model.neutral(), vec![0.0; model.nv()]);
-        dynamics.update(model, q.as_slice(), &v);
+        // Without the mass matrix, of which the diagonal is enough: S_jᵀ I^c S_j.
+        let mut dynamics = Dynamics::without_mass_matrix(model);
+        dynamics.poses(model, model.neutral().as_slice());
+        dynamics.inertias(model);
         for (j, dof) in model.dofs.iter().enumerate() {
             let body = &model.bodies[dof.body];
-            let line = self.joint_line(&body.name);
-            let (subject, moved) = (format!("joint {:?}", body.joint_name), dynamics.composite[dof.body].mass);
-            let inertia = dynamics.mass_matrix[(j, j)];
+            let invalid = |problem: String| {
+                Err(self.invalid(self.joint_line(&body.name), format!("joint {:?}", body.joint_name), problem))
+            };
+            let (s, composite) = (&dynamics.subspace[j], &dynamics.composite[dof.body]);
+            let inertia = s.dot(&composite.momentum(s));
             if !(inertia > 0.0 && inertia.is_finite()) {
                 let problem = if !inertia.is_finite() {
                     "moves more than numbers can hold; a mass or a length beyond it is too large".to_owned()
-                } else if moved > 0.0 {
+                } else if composite.mass > 0.0 {
                     format!("moves no inertia about its axis; give body {:?} an inertia", body.name)
                 } else {
                     format!("moves no mass; give body {:?} a mass, or fix the joint", body.name)
                 };
-                return Err(self.invalid(line, subject, problem));
+                return invalid(problem);
             }
             if !model.is_planar() || dof.body <= model.root() {
                 continue;
             }
             // The tolerance admits π/2 given as 1.5708
-            let s = &dynamics.subspace[j];
             if dof.rotational && (s.angular.x.abs() > 1e-4 || s.angular.z.abs() > 1e-4) {
-                let problem = "its axis is not parallel to y, so the robot leaves the plane; \
-                               use base = \"floating\", or fix the joint";
-                return Err(self.invalid(line, subject, problem));
+                return invalid(leaves_plane("parallel to y"));
             }
             if !dof.rotational && s.linear.y.abs() > 1e-4 {
-                let problem = "its axis is not perpendicular to y, so the robot leaves the plane; \
-                               use base = \"floating\", or fix the joint";
-                return Err(self.invalid(line, subject, problem));
+                return invalid(leaves_plane("perpendicular to y"));
             }
         }
         Ok(())
@@ -181,8 +181,8 @@ impl JointDescription {
             return Err(format!("limits are crossed: lower {} is above upper {}", limit(lower), limit(upper)));
         }
         for (what, limit) in [("velocity", self.dof.velocity_limit), ("effort", self.dof.effort_limit)] {
-            if limit <= 0.0 {
-                return Err(format!("{what} limit {limit} is not positive; leave it out for no limit"));
+            if limit < 0.0 {
+                return Err(format!("{what} limit {limit} is negative; leave it out for no limit"));
             }
         }
         for (what, value) in [
@@ -227,6 +227,10 @@ pub(crate) fn oddities(model: &Model) -> Vec<String> {
         if dof.lower >= dof.upper {
             odd.push(format!("joint {:?} is locked: lower and upper limit are both {}", dof.name, dof.lower));
         }
+        if dof.actuated && dof.effort_limit == 0.0 {
+            let name = &dof.name;
+            odd.push(format!("joint {name:?} can give no effort: its effort limit is 0; leave it out for no limit"));
+        }
         let turn = 2.0 * std::f64::consts::PI;
         if dof.rotational && (dof.lower > turn || dof.upper < -turn) {
             odd.push(format!(
@@ -242,6 +246,10 @@ pub(crate) fn oddities(model: &Model) -> Vec<String> {
         }
     }
     odd
+}
+
+fn leaves_plane(direction: &str) -> String {
+    format!("its axis is not {direction}, so the robot leaves the plane; use base = \"floating\", or fix the joint")
 }
 
 const TRIANGLE: &str = "no body has this inertia: a principal moment is larger than the sum of the other two";

@@ -9,6 +9,7 @@ use crate::joints::Joint;
 use crate::model::{Dof, Model};
 use crate::roles::Roles;
 use crate::spatial::Placement;
+use crate::words::{self, PROBLEM, one_line};
 
 /// What a file says, in SI units, before any check across entries.
 pub(crate) struct Description {
@@ -67,7 +68,7 @@ impl Description {
         subject: impl Into<String>,
         problem: impl Into<String>,
     ) -> ModelError {
-        ModelError::Invalid { file: self.file.clone(), line, subject: subject.into(), problem: problem.into() }
+        ModelError::invalid(&self.file, line, subject, problem)
     }
 
     pub(crate) fn invalid_beside(
@@ -76,7 +77,7 @@ impl Description {
         subject: impl Into<String>,
         problem: String,
     ) -> ModelError {
-        ModelError::Invalid { file: self.roles.file.clone(), line, subject: subject.into(), problem }
+        ModelError::invalid(&self.roles.file, line, subject, problem)
     }
 
     /// Checks everything and assembles the model.
@@ -89,22 +90,31 @@ impl Description {
         for body in &self.bodies {
             self.check_body(body)?;
         }
+        self.drop_zero_velocity_limits();
         let order = self.order()?;
-        let mut model = self.assemble(&order);
+        let places = self.places(&order);
+        let mut model = self.assemble(&order, &places);
         self.check_motion(&model)?;
-        self.add_contacts(&mut model)?;
-        self.add_frames(&mut model)?;
+        self.add_contacts(&mut model, &places)?;
+        self.add_frames(&mut model, &places)?;
         let mut warnings = std::mem::take(&mut self.warnings);
         warnings.extend(oddities(&model));
-        model.warnings = warnings;
+        model.warnings = warnings.iter().map(|warning| one_line(warning, PROBLEM)).collect();
         (self.roles.foot, self.roles.lines) = self.contacts.into_iter().map(|point| (point.foot, point.line)).unzip();
         Ok((model, self.roles))
     }
 
+    /// A joint that may not move would be a fixed one: tools leave a zero where they know no limit.
+    fn drop_zero_velocity_limits(&mut self) {
+        for joint in self.bodies.iter_mut().map(|body| &mut body.joint).filter(|joint| joint.dof.velocity_limit == 0.0)
+        {
+            joint.dof.velocity_limit = f64::INFINITY;
+            self.warnings.push(format!("joint {:?}: a velocity limit of 0 is taken as none", joint.name));
+        }
+    }
+
     pub(crate) fn known_bodies(&self) -> String {
-        let names: Vec<_> = self.bodies.iter().map(|body| body.name.as_str()).collect();
-        let rest = if names.len() > 30 { ", …" } else { "" };
-        format!("valid are {}{rest}", names[..names.len().min(30)].join(", "))
+        format!("valid are {}", words::list(self.bodies.iter().map(|body| &body.name)))
     }
 
     pub(crate) fn joint_line(&self, body: &str) -> Option<usize> {

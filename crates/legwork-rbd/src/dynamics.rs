@@ -81,11 +81,17 @@ impl Dynamics {
     /// Allocates everything for `model`; the values are those of no state yet.
     #[must_use]
     pub fn new(model: &Model) -> Self {
+        let nv = model.nv();
+        Self { mass_matrix: DMatrix::zeros(nv, nv), ..Self::without_mass_matrix(model) }
+    }
+
+    /// With an empty mass matrix, so that the size grows with that of the model and not with its square.
+    pub(crate) fn without_mass_matrix(model: &Model) -> Self {
         let (nv, nc, nb) = (model.nv(), model.nc(), model.bodies.len());
         let (d, angular) = (model.linear_axes().len(), model.angular_axes().len());
         let (parent_dof, last_dof) = chains(model);
         Self {
-            mass_matrix: DMatrix::zeros(nv, nv),
+            mass_matrix: DMatrix::zeros(0, 0),
             bias: DVector::zeros(nv),
             gravity: DVector::zeros(nv),
             damping: DVector::zeros(nv),

@@ -58,6 +58,21 @@ pub enum ModelError {
 }
 
 impl ModelError {
+    /// What is wrong at a place of a text that cannot be read.
+    pub(crate) fn syntax(file: &str, line: Option<usize>, message: impl Into<String>) -> Self {
+        Self::Syntax { file: file.to_owned(), line, message: message.into() }
+    }
+
+    /// What is impossible about a robot.
+    pub(crate) fn invalid(
+        file: &str,
+        line: Option<usize>,
+        subject: impl Into<String>,
+        problem: impl Into<String>,
+    ) -> Self {
+        Self::Invalid { file: file.to_owned(), line, subject: subject.into(), problem: problem.into() }
+    }
+
     /// Whether the file could not be read at all, as opposed to having bad content.
     #[must_use]
     pub fn is_io(&self) -> bool {

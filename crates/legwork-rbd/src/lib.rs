@@ -71,6 +71,7 @@ mod urdf;
 mod urdf_text;
 pub mod words;
 mod write;
+mod xml;
 
 pub use base::Base;
 pub use dynamics::Dynamics;

@@ -85,13 +85,17 @@ impl Model {
     /// table for each joint to which it gives limits, a damper, a spring or stops by the keys of a TOML model:
     /// `joints.left_ankle = { spring_nmpr = 200.0, rest_deg = 5.0 }`.
     ///
-    /// Fixed joints are kept, as bodies that are rigidly attached. Continuous joints are revolute ones without limits. Meshes
-    /// and other shapes, transmissions and Gazebo's elements are ignored; so is Coulomb friction, with a warning. As usual
-    /// in URDF, limits that are all zero mean none.
+    /// Fixed joints are kept, as bodies that are rigidly attached. Continuous joints are revolute ones without ends. Meshes
+    /// and other shapes, transmissions and Gazebo's elements are not read, nor is what has the prefix of a namespace. A
+    /// warning tells of all else that has no meaning, such as a misspelled key, and of Coulomb friction, which is ignored.
+    ///
+    /// Of limits, `effort="0"` is a joint that can give no torque, in TOML too. `velocity="0"`, which tools write where they
+    /// know no limit, is none, and so are `lower` and `upper` that are both zero. A warning tells of each, and of one that is
+    /// missing.
     ///
     /// # Errors
     /// If a text is malformed or does not describe a possible robot: mimic joints, loops, several roots, floating or
-    /// planar joints within the tree.
+    /// planar joints within the tree. The message names the line, the link or joint, and the key.
     pub fn from_urdf(
         text: &str,
         file_name: &str,
@@ -136,21 +140,23 @@ fn read_text(path: &Path) -> Result<String, ModelError> {
 pub(crate) struct Source<'a> {
     file: &'a str,
     text: &'a str,
+    /// Where the lines after the first begin.
+    breaks: Vec<usize>,
 }
 
 impl<'a> Source<'a> {
     pub(crate) fn new(file: &'a str, text: &'a str) -> Self {
-        Self { file, text }
+        let breaks = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(offset, _)| offset + 1);
+        Self { file, text, breaks: breaks.collect() }
     }
 
     /// The line, from one, of a byte offset.
     pub(crate) fn line(&self, offset: usize) -> Option<usize> {
-        let before = self.text.as_bytes().get(..offset)?;
-        Some(1 + before.iter().filter(|byte| **byte == b'\n').count())
+        (offset <= self.text.len()).then(|| 1 + self.breaks.partition_point(|start| *start <= offset))
     }
 
     pub(crate) fn syntax(&self, line: Option<usize>, message: impl Into<String>) -> ModelError {
-        ModelError::Syntax { file: self.file.to_owned(), line, message: message.into() }
+        ModelError::syntax(self.file, line, message)
     }
 
     pub(crate) fn invalid(
@@ -159,7 +165,7 @@ impl<'a> Source<'a> {
         subject: impl Into<String>,
         problem: impl Into<String>,
     ) -> ModelError {
-        ModelError::Invalid { file: self.file.to_owned(), line, subject: subject.into(), problem: problem.into() }
+        ModelError::invalid(self.file, line, subject, problem)
     }
 
     /// Parses TOML into `T`; `content` says what the file should hold.

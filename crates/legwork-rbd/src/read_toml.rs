@@ -13,6 +13,7 @@ use crate::read::{Source, unit_axis};
 use crate::roles::Roles;
 use crate::spatial::{Placement, rotation_from_rpy};
 use crate::table::Table;
+use crate::words;
 
 /// Reads a model; `base` overrides the file's own.
 pub(crate) fn read_toml(text: &str, file_name: &str, base: Option<Base>) -> Result<(Model, Roles), ModelError> {
@@ -140,7 +141,7 @@ fn joint(table: &Spanned<Table>, source: &Source) -> Result<JointDescription, Mo
     let types = || Kind::ALL.iter().filter(|kind| kind.read.is_some());
     let Some(kind) = types().find(|known| known.name == kind) else {
         let names: Vec<_> = types().map(|kind| format!("`{}`", kind.name)).collect();
-        let message = format!("unknown variant `{kind}`, expected one of {}", names.join(", "));
+        let message = format!("unknown variant `{kind}`, expected one of {}", words::list(names));
         return Err(source.syntax(type_line, message));
     };
     let axis: Option<[f64; 3]> = table.take(source, "axis")?;
@@ -192,10 +193,10 @@ pub(crate) fn numbers(
         _ => keys.iter().map(|key| key.name).collect(),
     };
     if Kind::ALL.iter().flat_map(|kind| kind.keys).any(|key| key.name == foreign) {
-        let problem = format!("{foreign} has no meaning for a {} joint; valid are {}", kind.name, valid.join(", "));
+        let problem = format!("{foreign} has no meaning for a {} joint; valid are {}", kind.name, words::list(valid));
         return Err(source.invalid(line, subject, problem));
     }
-    Err(source.syntax(at, format!("unknown field `{foreign}`, expected one of {}", valid.join(", "))))
+    Err(source.syntax(at, format!("unknown field `{foreign}`, expected one of {}", words::list(valid))))
 }
 
 /// A rotation that is given by fixed-axis roll, pitch, yaw, by its rows (under one of two `keys`) or not at all.

@@ -1,11 +1,10 @@
-//! URDF, through `urdf-rs`, and the file beside it that says what URDF cannot.
+//! A URDF, and the file beside it that says what URDF cannot, to the description of a robot.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use nalgebra::{Matrix3, Vector3};
 use serde::Deserialize;
 use toml::Spanned;
-use urdf_rs::JointType;
 
 use crate::base::Base;
 use crate::description::{BodyDescription, Description, JointDescription};
@@ -16,9 +15,10 @@ use crate::model_file::{ContactEntry, FrameEntry, GRAVITY};
 use crate::read::{Source, unit_axis};
 use crate::read_toml::{contacts, frames, numbers, pitch_limits};
 use crate::roles::Roles;
-use crate::spatial::{Placement, rotation_from_rpy};
+use crate::spatial::Placement;
 use crate::table::Table;
-use crate::urdf_text::{element_line, parse};
+use crate::urdf_text::{self, Link, Robot};
+use crate::words;
 
 /// `robot.legwork.toml` beside `robot.urdf`.
 #[derive(Default, Deserialize)]
@@ -47,17 +47,23 @@ pub(crate) fn read_urdf(
     base: Option<Base>,
 ) -> Result<(Model, Roles), ModelError> {
     let source = Source::new(file_name, text);
-    let robot = parse(text, &source)?;
+    let robot = Robot::read(text, &source)?;
     let (side_text, side_name) = sidecar.unwrap_or(("", file_name));
     let side_source = Source::new(side_name, side_text);
     let side: SideFile = match sidecar {
         Some(_) => side_source.parse_toml("base, torso, contacts, actuated or passive")?,
         None => SideFile::default(),
     };
-    let mut warnings = Vec::new();
-    let mut bodies = bodies(&robot, text, &source, &mut warnings)?;
-    mark_actuated(&mut bodies, &side, &side_source)?;
-    set_numbers(&mut bodies, &side.joints, &side_source)?;
+    let mut bodies = bodies(&robot, &source)?;
+    let moving = Moving::of(&bodies);
+    mark_actuated(&mut bodies, &moving, &side, &side_source)?;
+    set_numbers(&mut bodies, &moving, &side.joints, &side_source)?;
+    let mut warnings = robot.ignored;
+    // Each joint's child comes in the order of the joints, behind the root link.
+    let described = &bodies[robot.links.len() - robot.joints.len()..];
+    for (joint, body) in robot.joints.iter().zip(described).filter(|(_, body)| body.joint.kind.nv() > 0) {
+        warnings.extend(unmodelled(joint, &body.joint));
+    }
     let base = base.or(side.base).unwrap_or(Base::Floating);
     Description {
         file: file_name.to_owned(),
@@ -75,172 +81,167 @@ pub(crate) fn read_urdf(
 }
 
 /// The root link, then the children in the order of the file's joints.
-fn bodies(
-    robot: &urdf_rs::Robot,
-    text: &str,
-    source: &Source,
-    warnings: &mut Vec<String>,
-) -> Result<Vec<BodyDescription>, ModelError> {
-    check_tree(robot, text, source)?;
+fn bodies(robot: &Robot, source: &Source) -> Result<Vec<BodyDescription>, ModelError> {
+    let links = links(robot, source)?;
+    let carried = carried(robot, &links, source)?;
     let mut bodies = Vec::with_capacity(robot.links.len());
-    let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child.link == name);
-    for link in robot.links.iter().filter(|link| !is_child(&link.name)) {
+    for link in robot.links.iter().filter(|link| !carried.contains_key(link.name.as_str())) {
         let joint = JointDescription::new("base".to_owned(), Joint::Fixed(Fixed), Placement::identity());
-        bodies.push(body(link, None, joint, text, source)?);
+        bodies.push(body(link, None, joint));
+    }
+    if bodies.is_empty() {
+        return Err(source.invalid(None, "robot", "every link is a child of another: a loop; a robot has one root"));
     }
     for joint in &robot.joints {
-        let link = robot.links.iter().find(|link| link.name == joint.child.link).expect("checked above");
-        let described = describe_joint(joint, text, source, warnings)?;
-        bodies.push(body(link, Some(joint.parent.link.clone()), described, text, source)?);
+        bodies.push(body(links[joint.child.as_str()], Some(joint.parent.clone()), describe_joint(joint, source)?));
     }
     Ok(bodies)
 }
 
-/// What [`Description::build`] would misname: it knows bodies with one parent each.
-fn check_tree(robot: &urdf_rs::Robot, text: &str, source: &Source) -> Result<(), ModelError> {
-    let names: Vec<_> = robot.links.iter().map(|link| link.name.as_str()).collect();
-    if names.is_empty() {
+/// The links by name.
+fn links<'a>(robot: &'a Robot, source: &Source) -> Result<HashMap<&'a str, &'a Link>, ModelError> {
+    if robot.links.is_empty() {
         return Err(source.invalid(None, "robot", "has no links"));
     }
-    for (i, name) in names.iter().enumerate() {
-        if names[..i].contains(name) {
+    let mut links = HashMap::new();
+    for link in &robot.links {
+        if links.insert(link.name.as_str(), link).is_some() {
             let problem = "the name is given twice; link names must differ";
-            return Err(source.invalid(element_line(text, "link", name), format!("link {name:?}"), problem));
+            return Err(source.invalid(link.line, format!("link {:?}", link.name), problem));
         }
     }
-    for (i, joint) in robot.joints.iter().enumerate() {
-        let subject = format!("joint {:?}", joint.name);
-        let line = element_line(text, "joint", &joint.name);
-        for (role, link) in [("parent", &joint.parent.link), ("child", &joint.child.link)] {
-            if !names.contains(&link.as_str()) {
-                let problem = format!("unknown {role} link {link:?}; valid are {}", names.join(", "));
-                return Err(source.invalid(line, subject, problem));
+    Ok(links)
+}
+
+/// The joint that carries each link but the root, by the link's name. [`Description::build`] would misname what is
+/// refused here: it knows bodies with one parent each.
+fn carried<'a>(
+    robot: &'a Robot,
+    links: &HashMap<&str, &Link>,
+    source: &Source,
+) -> Result<HashMap<&'a str, &'a urdf_text::Joint>, ModelError> {
+    let mut carried: HashMap<&str, &urdf_text::Joint> = HashMap::new();
+    for joint in &robot.joints {
+        let invalid = |problem| Err(source.invalid(joint.line, format!("joint {:?}", joint.name), problem));
+        for (role, link) in [("parent", &joint.parent), ("child", &joint.child)] {
+            if !links.contains_key(link.as_str()) {
+                let valid = words::list(robot.links.iter().map(|link| &link.name));
+                return invalid(format!("unknown {role} link {link:?}; valid are {valid}"));
             }
         }
-        if let Some(other) = robot.joints[..i].iter().find(|other| other.child.link == joint.child.link) {
-            let problem = format!(
+        if let Some(other) = carried.insert(&joint.child, joint) {
+            return invalid(format!(
                 "link {:?} has two parents, by this joint and by {:?}: a loop; a robot is a tree",
-                joint.child.link, other.name
-            );
-            return Err(source.invalid(line, subject, problem));
+                joint.child, other.name
+            ));
         }
     }
-    if names.iter().all(|name| robot.joints.iter().any(|joint| joint.child.link == *name)) {
-        return Err(source.invalid(None, "robot", "every link is a child of another: a loop; a robot has one root"));
-    }
-    Ok(())
+    Ok(carried)
 }
 
-fn body(
-    link: &urdf_rs::Link,
-    parent: Option<String>,
-    joint: JointDescription,
-    text: &str,
-    source: &Source,
-) -> Result<BodyDescription, ModelError> {
-    let line = element_line(text, "link", &link.name);
-    let subject = format!("link {:?}", link.name);
-    let finite = |key: &str, value| source.finite(line, &subject, key, value);
-    let i = &link.inertial.inertia;
-    let entries = [i.ixx, i.ixy, i.ixz, i.ixy, i.iyy, i.iyz, i.ixz, i.iyz, i.izz];
-    for entry in entries {
-        finite("inertia", entry)?;
+fn body(link: &Link, parent: Option<String>, joint: JointDescription) -> BodyDescription {
+    let (mut mass, mut com, mut inertia) = (0.0, Vector3::zeros(), Matrix3::zeros());
+    if let Some(inertial) = &link.inertial {
+        (mass, com, inertia) = (inertial.mass, inertial.origin.translation, inertial.inertia);
+        // The file's axes may be turned against the link's
+        let rotation = &inertial.origin.rotation;
+        if *rotation != Matrix3::identity() {
+            let turned = rotation * inertia * rotation.transpose();
+            inertia = (turned + turned.transpose()) * 0.5;
+        }
     }
-    let rpy = source.vector(line, &subject, "rpy of the inertial", *link.inertial.origin.rpy)?;
-    let about_com = Matrix3::from_row_slice(&entries);
-    // The file's axes may be turned against the link's
-    let rotation = rotation_from_rpy(rpy.into());
-    let turned = rotation * about_com * rotation.transpose();
-    let turned = if rpy == Vector3::zeros() { about_com } else { (turned + turned.transpose()) * 0.5 };
-    Ok(BodyDescription {
-        name: link.name.clone(),
-        parent,
-        mass: finite("mass", link.inertial.mass.value)?,
-        com: source.vector(line, &subject, "xyz of the inertial", *link.inertial.origin.xyz)?,
-        inertia: turned,
-        joint,
-        line,
-    })
+    BodyDescription { name: link.name.clone(), parent, mass, com, inertia, joint, line: link.line }
 }
 
-fn describe_joint(
-    joint: &urdf_rs::Joint,
-    text: &str,
-    source: &Source,
-    warnings: &mut Vec<String>,
-) -> Result<JointDescription, ModelError> {
+fn describe_joint(joint: &urdf_text::Joint, source: &Source) -> Result<JointDescription, ModelError> {
     let subject = format!("joint {:?}", joint.name);
-    let line = element_line(text, "joint", &joint.name);
-    if let Some(mimic) = &joint.mimic {
-        let problem = format!("mimics {:?}, which is not supported; make the joint free or fixed", mimic.joint);
-        return Err(source.invalid(line, subject, problem));
+    if let Some(leader) = &joint.mimics {
+        let problem = format!("mimics {leader:?}, which is not supported; make the joint free or fixed");
+        return Err(source.invalid(joint.line, subject, problem));
     }
-    let axis = || unit_axis(source, line, &subject, *joint.axis.xyz);
-    let known = Kind::ALL.iter().find(|kind| kind.urdf.contains(&joint.joint_type));
+    let known = Kind::ALL.iter().find(|kind| kind.urdf.contains(&joint.kind.as_str()));
     let Some(read) = known.and_then(|kind| kind.read) else {
-        let kind = format!("{:?}", joint.joint_type).to_lowercase();
-        let valid: Vec<String> =
-            Kind::ALL.iter().flat_map(|kind| kind.urdf).map(|kind| format!("{kind:?}").to_lowercase()).collect();
+        let valid = words::list(Kind::ALL.iter().flat_map(|kind| kind.urdf));
         let problem = format!(
-            "is of type {kind}, which is not supported within the tree; valid are {} (what joins the root link to the \
+            "is of type {}, which is not supported within the tree; valid are {valid} (what joins the root link to the \
              world is the model's base)",
-            valid.join(", ")
+            words::quoted(&joint.kind)
         );
-        return Err(source.invalid(line, subject, problem));
+        return Err(source.invalid(joint.line, subject, problem));
     };
-    let kind = read(&axis)?;
-    let rpy = source.vector(line, &subject, "rpy of the origin", *joint.origin.rpy)?;
-    let translation = source.vector(line, &subject, "xyz of the origin", *joint.origin.xyz)?;
-    let placement = Placement { rotation: rotation_from_rpy(rpy.into()), translation };
-    let mut described = JointDescription::new(joint.name.clone(), kind, placement);
-    described.line = line;
+    let kind = read(&|| unit_axis(source, joint.line, &subject, joint.axis))?;
+    let mut described = JointDescription::new(joint.name.clone(), kind, joint.origin);
+    described.line = joint.line;
     if kind.nv() == 0 {
         return Ok(described);
     }
-    described.dof.actuated = true;
-    limits(joint, &mut described, source, warnings)?;
-    if let Some(dynamics) = &joint.dynamics {
-        described.dof.damping = source.finite(line, &subject, "damping", dynamics.damping)?;
-        if dynamics.friction != 0.0 {
-            warnings.push(format!("{subject}: Coulomb friction {} is ignored", dynamics.friction));
+    let dof = &mut described.dof;
+    dof.actuated = true;
+    dof.damping = joint.damping;
+    if let Some(limit) = &joint.limit {
+        if let Some([lower, upper]) = limit.range.filter(|_| joint.has_ends()) {
+            (dof.lower, dof.upper) = (lower, upper);
         }
+        dof.effort_limit = limit.effort.unwrap_or(dof.effort_limit);
+        dof.velocity_limit = limit.velocity.unwrap_or(dof.velocity_limit);
     }
     Ok(described)
 }
 
-/// Limits, where the parser makes a missing one zero (before URDF 1.2) or infinite (since).
-fn limits(
-    joint: &urdf_rs::Joint,
-    described: &mut JointDescription,
-    source: &Source,
-    warnings: &mut Vec<String>,
-) -> Result<(), ModelError> {
-    let subject = format!("joint {:?}", joint.name);
-    let limit = &joint.limit;
-    for (key, value) in
-        [("lower", limit.lower), ("upper", limit.upper), ("effort", limit.effort), ("velocity", limit.velocity)]
-    {
-        if value.is_nan() {
-            return Err(source.invalid(described.line, subject, format!("limit {key} is NaN; a number is needed")));
+/// What the file of a joint that moves leaves out though URDF asks for it, and neither does the side file give it; and what
+/// it says in vain.
+fn unmodelled(joint: &urdf_text::Joint, described: &JointDescription) -> Vec<String> {
+    let (dof, limit) = (&described.dof, joint.limit.as_ref());
+    let mut missing = Vec::new();
+    if joint.has_ends() && limit.is_none_or(|limit| limit.range.is_none()) && dof.usual_range().is_none() {
+        missing.push("position");
+    }
+    // URDF lets a continuous joint be without any.
+    if dof.actuated && (joint.has_ends() || limit.is_some()) {
+        if limit.is_none_or(|limit| limit.effort.is_none()) && dof.effort_limit.is_infinite() {
+            missing.push("effort");
+        }
+        if limit.is_none_or(|limit| limit.velocity.is_none()) && dof.velocity_limit.is_infinite() {
+            missing.push("velocity");
         }
     }
-    if joint.joint_type != JointType::Continuous {
-        if limit.lower == 0.0 && limit.upper == 0.0 {
-            warnings.push(format!("{subject} has no position limits"));
-        } else {
-            (described.dof.lower, described.dof.upper) = (limit.lower, limit.upper);
-        }
+    let mut sentences = Vec::new();
+    if let [first @ .., last] = missing.as_slice() {
+        let and = if first.is_empty() { "" } else { " and " };
+        sentences.push(format!("joint {:?} has no {}{and}{last} limits", joint.name, first.join(", ")));
     }
-    if limit.effort != 0.0 {
-        described.dof.effort_limit = limit.effort;
+    if joint.friction != 0.0 {
+        sentences.push(format!("joint {:?}: Coulomb friction {} is ignored", joint.name, joint.friction));
     }
-    if limit.velocity != 0.0 {
-        described.dof.velocity_limit = limit.velocity;
-    }
-    Ok(())
+    sentences
 }
 
-fn mark_actuated(bodies: &mut [BodyDescription], side: &SideFile, source: &Source) -> Result<(), ModelError> {
+/// The joints that move, as indices of their bodies, by name.
+struct Moving(HashMap<String, usize>);
+
+impl Moving {
+    fn of(bodies: &[BodyDescription]) -> Self {
+        let mut moving = HashMap::new();
+        for (index, body) in bodies.iter().enumerate().filter(|(_, body)| body.joint.kind.nv() > 0) {
+            moving.entry(body.joint.name.clone()).or_insert(index);
+        }
+        Self(moving)
+    }
+
+    fn index(&self, name: &str, bodies: &[BodyDescription]) -> Result<usize, String> {
+        let moving = || bodies.iter().map(|body| &body.joint).filter(|joint| joint.kind.nv() > 0);
+        let unknown =
+            || format!("unknown joint {name:?}; valid are {}", words::list(moving().map(|joint| &joint.name)));
+        self.0.get(name).copied().ok_or_else(unknown)
+    }
+}
+
+fn mark_actuated(
+    bodies: &mut [BodyDescription],
+    moving: &Moving,
+    side: &SideFile,
+    source: &Source,
+) -> Result<(), ModelError> {
     let (key, list, listed_is) = match (&side.actuated, &side.passive) {
         (None, None) => return Ok(()),
         (Some(list), None) => ("actuated", list, true),
@@ -250,37 +251,29 @@ fn mark_actuated(bodies: &mut [BodyDescription], side: &SideFile, source: &Sourc
         }
     };
     for name in list {
-        moving_joint(bodies, name).map_err(|problem| source.invalid(None, key, problem))?;
+        moving.index(name, bodies).map_err(|problem| source.invalid(None, key, problem))?;
     }
+    let listed: HashSet<&String> = list.iter().collect();
     for body in bodies.iter_mut().filter(|body| body.joint.kind.nv() > 0) {
-        body.joint.dof.actuated = list.contains(&body.joint.name) == listed_is;
+        body.joint.dof.actuated = listed.contains(&body.joint.name) == listed_is;
     }
     Ok(())
 }
 
 fn set_numbers(
     bodies: &mut [BodyDescription],
+    moving: &Moving,
     joints: &BTreeMap<String, Spanned<Table>>,
     source: &Source,
 ) -> Result<(), ModelError> {
     for (name, table) in joints {
         let (line, subject) = (source.line(table.span().start), format!("joint {name:?}"));
-        let joint = moving_joint(bodies, name).map_err(|problem| source.invalid(line, "joints", problem))?;
+        let index = moving.index(name, bodies).map_err(|problem| source.invalid(line, "joints", problem))?;
+        let joint = &mut bodies[index].joint;
         let mut table = table.get_ref().clone();
         let kind = joint.kind.kind();
         numbers(&mut table, kind, kind.keys, &mut joint.dof, source, line, &subject)?;
         joint.check_numbers().map_err(|problem| source.invalid(line, subject, problem))?;
     }
     Ok(())
-}
-
-/// The joint of this name among those that move.
-fn moving_joint<'a>(bodies: &'a mut [BodyDescription], name: &str) -> Result<&'a mut JointDescription, String> {
-    let moving = || bodies.iter().filter(|body| body.joint.kind.nv() > 0);
-    if moving().all(|body| body.joint.name != name) {
-        let names: Vec<_> = moving().map(|body| body.joint.name.as_str()).collect();
-        return Err(format!("unknown joint {name:?}; valid are {}", names.join(", ")));
-    }
-    let found = bodies.iter_mut().map(|body| &mut body.joint).find(|joint| joint.name == name && joint.kind.nv() > 0);
-    Ok(found.expect("looked for above"))
 }

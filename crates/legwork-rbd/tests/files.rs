@@ -238,7 +238,10 @@ fn urdf_defaults_and_warnings() {
     let warnings = Model::from_urdf(&text, "p.urdf", None, Some(Base::Fixed)).unwrap().warnings();
     assert_eq!(
         warnings,
-        ["joint \"shoulder\" has no position limits", "joint \"elbow\": Coulomb friction 0.3 is ignored"]
+        [
+            "joint \"shoulder\" has no position, effort and velocity limits",
+            "joint \"elbow\": Coulomb friction 0.3 is ignored"
+        ]
     );
     let biped = common::biped18();
     assert_eq!(biped.warnings(), ["body \"right_sole\" has no mass", "body \"left_sole\" has no mass"]);

@@ -218,6 +218,23 @@ fn the_named_joint_is_the_one_that_was_too_weak() {
     }
 }
 
+/// An effort limit of zero is a joint that can give no torque, not one without a limit.
+#[test]
+fn knees_with_an_effort_limit_of_zero_give_no_torque() {
+    for (name, knees) in [("stand", ["right_knee", "left_knee"]), ("exo-sway", ["right_kfe", "left_kfe"])] {
+        let (scenario, mut model) = load(name, &[]);
+        model.dofs.iter_mut().filter(|dof| knees.contains(&dof.name.as_str())).for_each(|dof| dof.effort_limit = 0.0);
+        let run = episode::run(&scenario, &model, &[], |_| false).expect("it can start");
+        for knee in knees {
+            let most = |column: Vec<f64>| column.iter().fold(0.0, |most: f64, torque| most.max(torque.abs()));
+            let asked = most(column(&run, &format!("torque.{knee}")));
+            assert!(asked < 1e-6, "{name}: {asked} Nm of {knee}");
+            assert_eq!(most(column(&run, &format!("torque_applied.{knee}"))), 0.0, "{name}: {knee}");
+        }
+        assert_eq!(diagnosis(&run).cause, FirstCause::TorqueLimit { joint: knees[0].into() }, "{name}");
+    }
+}
+
 #[test]
 fn the_numbers_of_a_torque_limit_are_those_of_the_log() {
     let run = common::run("push", &["controller.limits.torque_nm=150"]);

@@ -13,7 +13,7 @@ impl JointType for Fixed {
         positions: &[],
         velocities: &[],
         keys: &[],
-        urdf: &[urdf_rs::JointType::Fixed],
+        urdf: &["fixed"],
         read: Some(|_| Ok(Joint::Fixed(Fixed))),
     };
 

@@ -68,7 +68,7 @@ impl JointType for Floating {
 
 /// The rotation of a quaternion (w, x, y, z); it need not be of unit length, only not zero.
 #[inline]
-fn rotation_from_quaternion(q: &[f64]) -> Matrix3<f64> {
+pub(crate) fn rotation_from_quaternion(q: &[f64]) -> Matrix3<f64> {
     let (w, x, y, z) = (q[0], q[1], q[2], q[3]);
     let two = 2.0 / (w * w + x * x + y * y + z * z);
     let (xx, yy, zz) = (two * x * x, two * y * y, two * z * z);

@@ -13,6 +13,7 @@ use nalgebra::{Unit, Vector3};
 
 pub use fixed::Fixed;
 pub use floating::Floating;
+pub(crate) use floating::rotation_from_quaternion;
 pub use prismatic::Prismatic;
 pub use revolute::Revolute;
 
@@ -32,7 +33,7 @@ pub(crate) struct Kind {
     /// The keys in TOML of the coordinate's numbers.
     pub(crate) keys: &'static [Key],
     /// The types in URDF that are read as this one.
-    pub(crate) urdf: &'static [urdf_rs::JointType],
+    pub(crate) urdf: &'static [&'static str],
     /// Makes the joint from what a file says; `None` for a type that no file can name.
     pub(crate) read: Option<fn(ReadAxis<'_>) -> Result<Joint, ModelError>>,
 }

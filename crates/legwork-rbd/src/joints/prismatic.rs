@@ -30,7 +30,7 @@ impl JointType for Prismatic {
         positions: &[""],
         velocities: &[("", false)],
         keys: KEYS,
-        urdf: &[urdf_rs::JointType::Prismatic],
+        urdf: &["prismatic"],
         read: Some(|axis| Ok(Joint::Prismatic(Prismatic { axis: axis()? }))),
     };
 

@@ -1,7 +1,6 @@
 //! A joint that turns about an axis. Featherstone 2008, Table 4.1.
 
 use nalgebra::{Matrix3, Unit, Vector3};
-use urdf_rs::JointType as Urdf;
 
 use super::{Form, Joint, JointType, Key, Kind, key};
 use crate::spatial::{Motion, Placement, rotation_about};
@@ -39,7 +38,7 @@ impl JointType for Revolute {
         positions: &[""],
         velocities: &[("", true)],
         keys: KEYS,
-        urdf: &[Urdf::Revolute, Urdf::Continuous],
+        urdf: &["revolute", "continuous"],
         read: Some(|axis| Ok(Joint::Revolute(Revolute { axis: axis()? }))),
     };
 
