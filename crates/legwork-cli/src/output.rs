@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use legwork::error::Error;
 use legwork_rbd::words::{PLACE, PROBLEM, one_line};
 use legwork_report::document::Page;
+use legwork_study::files::Unfinished;
 use textwrap::{Options, WordSeparator, WordSplitter};
 
 /// Columns of a terminal that everything fits into.
@@ -137,38 +138,15 @@ pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
 /// Has `write` make the file at `path`: under another name beside it, which takes its place once all is written, so
 /// that a failure harms nothing. A device or a pipe is written to directly.
 pub(crate) fn write_file(path: &Path, write: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Failure> {
-    let write = |path_now: &Path| {
-        write(path_now).map_err(|error| match error {
-            Error::Io { problem, .. } => Failure::output(path, problem),
-            other => Failure::Input(other),
-        })
+    let failed = |error: Error| match error {
+        Error::Io { problem, .. } => Failure::output(path, problem),
+        other => Failure::Input(other),
     };
     if path.metadata().is_ok_and(|found| !found.is_file()) {
-        return write(path);
+        return write(path).map_err(failed);
     }
-    let partial = partial(path);
-    let written = write(&partial).and_then(|()| put_in_place(path));
-    if written.is_err() {
-        let _ = fs::remove_file(&partial);
-    }
-    written
-}
-
-/// A link stays one: the file that it leads to is replaced.
-fn target(path: &Path) -> PathBuf {
-    path.canonicalize().unwrap_or_else(|_| path.to_owned())
-}
-
-/// The file beside `path` that is written until it is whole.
-pub(crate) fn partial(path: &Path) -> PathBuf {
-    let target = target(path);
-    let ending = target.extension().unwrap_or_default().to_string_lossy();
-    target.with_file_name(format!(".legwork-{}.{ending}", std::process::id()))
-}
-
-/// Gives the file that was written beside `path` its name.
-pub(crate) fn put_in_place(path: &Path) -> Result<(), Failure> {
-    fs::rename(partial(path), target(path)).map_err(|error| Failure::output(path, error))
+    let file = Unfinished::new(path).map_err(failed)?;
+    write(file.written()).and_then(|()| file.finish()).map_err(failed)
 }
 
 /// Writes a text as [`write_file`] does.

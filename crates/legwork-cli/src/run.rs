@@ -13,10 +13,11 @@ use legwork::scenario::Scenario;
 use legwork::sink::{Hashes, Sink};
 use legwork::{clock, episode, log_file, scenario_file};
 use legwork_report::run as report;
+use legwork_study::files::Unfinished;
 
 use crate::args::RunArgs;
 use crate::long_work::{INTERRUPTED, Progress, interrupted, listen_for_interrupt};
-use crate::output::{Failure, Output, check_writable, partial, put_in_place, say, warn, write_file, write_text};
+use crate::output::{Failure, Output, check_writable, say, warn, write_file, write_text};
 use crate::summary;
 
 pub(crate) fn run(options: &RunArgs, output: &mut Output) -> Result<ExitCode, Failure> {
@@ -27,19 +28,19 @@ pub(crate) fn run(options: &RunArgs, output: &mut Output) -> Result<ExitCode, Fa
 
     let (mut fell, mut reported, mut printed) = (false, Vec::new(), Ok(()));
     for job in &jobs {
-        let (run, without_log) = job.run()?;
+        let (run, without_log, log) = job.run()?;
         let text = if options.json { summary::json(&run).to_string() } else { summary::text(&run) };
         printed = output.line(text).and_then(|()| output.flush());
         for violation in run.violations() {
             warn(&format!("{}: the simulation broke its own bounds: {violation}", run.scenario.name));
         }
         for passed in &run.limits_passed {
-            say(&format!("warning: {}: {passed}", run.scenario.name));
+            warn(&format!("{}: {passed}", run.scenario.name));
         }
         if let (Some(path), Some(error)) = (&job.log, without_log) {
-            return Err(job.without_log(path, error));
+            return Err(without_log_at(path, error));
         }
-        job.write_files(&run, options)?;
+        job.write_files(&run, log, options)?;
         fell |= matches!(run.outcome, Outcome::Fell(_));
         if options.report.is_some() {
             reported.push(run);
@@ -183,16 +184,19 @@ impl Sink for Streamed {
 }
 
 impl Job {
-    /// Its run, and why its log could not be written.
-    fn run(&self) -> Result<(Run, Option<Error>), Error> {
+    /// Its run, why its log could not be written, and where that waits to be whole: nowhere, where the log is a pipe or a
+    /// device, or is not written while the run goes on.
+    fn run(&self) -> Result<(Run, Option<Error>, Option<Unfinished>), Error> {
         let length = (self.scenario.duration_s * 1e3) as u64;
         let failed = Arc::new(Mutex::new(None));
         let failure = || failed.lock().expect("nobody panics with it");
+        let log = self.log.as_deref().filter(|_| self.streams);
+        let is_file = |path: &Path| path.metadata().map_or(true, |found| found.is_file());
+        let file = log.filter(|path| is_file(path)).map(Unfinished::new).transpose()?;
         let sink = |path: &Path| -> Result<Box<dyn Sink>, Error> {
-            let sink = log_file::create(&self.written_to(path), &self.scenario.name)?;
+            let sink = log_file::create(file.as_ref().map_or(path, Unfinished::written), &self.scenario.name)?;
             Ok(Box::new(Streamed { sink, failed: Arc::clone(&failed) }))
         };
-        let log = self.log.as_deref().filter(|_| self.streams);
         let parts = Parts {
             samples: self.samples.clone(),
             clock: Some(clock::system),
@@ -205,41 +209,17 @@ impl Job {
             interrupted() || failure().is_some()
         });
         bar.finish();
-        if let (Err(_), Some(path)) = (&run, log) {
-            self.discard(path);
-        }
         let failure = failure().take();
-        Ok((run?, failure))
+        Ok((run?, failure, file))
     }
 
-    /// Deletes what is written of the log that was to come to `path`.
-    fn discard(&self, path: &Path) {
-        let written = self.written_to(path);
-        if written != path {
-            let _ = std::fs::remove_file(written);
-        }
-    }
-
-    /// The failure of the log at `path`; what is written of it is deleted.
-    fn without_log(&self, path: &Path, error: Error) -> Failure {
-        self.discard(path);
-        match error {
-            Error::Io { problem, .. } => Failure::output(path, problem),
-            other => other.into(),
-        }
-    }
-
-    /// Where a log is written while the run goes on: beside its place, unless that is no file but a pipe or a device.
-    fn written_to(&self, path: &Path) -> PathBuf {
-        if path.metadata().is_ok_and(|found| !found.is_file()) { path.to_owned() } else { partial(path) }
-    }
-
-    fn write_files(&self, run: &Run, options: &RunArgs) -> Result<(), Failure> {
+    /// Writes what was asked for beside tables; `log` is what was written while the run went on.
+    fn write_files(&self, run: &Run, log: Option<Unfinished>, options: &RunArgs) -> Result<(), Failure> {
         if let Some(path) = &self.log {
-            if !self.streams {
-                write_file(path, |path| log_file::write(run, path))?;
-            } else if self.written_to(path) != *path {
-                put_in_place(path)?;
+            match log {
+                Some(log) => log.finish()?,
+                None if self.streams => {}
+                None => write_file(path, |path| log_file::write(run, path))?,
             }
             say(&format!("log: {}", path.display()));
         }
@@ -259,5 +239,13 @@ impl Job {
             run.to_mut().scenario.name.clone_from(&self.label);
         }
         run
+    }
+}
+
+/// The failure of the log at `path`.
+fn without_log_at(path: &Path, error: Error) -> Failure {
+    match error {
+        Error::Io { problem, .. } => Failure::output(path, problem),
+        other => other.into(),
     }
 }

@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use legwork::error::Error;
 use legwork_study::parallel::{self, run_chunks};
 use legwork_study::results::{self, Results};
-use legwork_study::store::{self, Shard, Store};
+use legwork_study::rollout::DOUBT;
+use legwork_study::store::{self, Shard, Store, Survey};
 use legwork_study::{Rollout, Study};
 
 use crate::args::{MergeArgs, StudyArgs};
@@ -14,8 +15,9 @@ use crate::long_work::{INTERRUPTED, Progress, interrupted, listen_for_interrupt}
 use crate::output::{Failure, Output, say, warn, write_page, write_text};
 use crate::study_summary;
 
-/// What a rollout takes on the disk, tables and all, at most [bytes].
-const BYTES_PER_ROLLOUT: u64 = 4000;
+/// What a rollout takes on the disk, and its rows in both tables, at most [bytes].
+const BYTES_PER_ROLLOUT: u64 = 2500;
+const BYTES_PER_ROW: u64 = 3500;
 
 /// What the page and its figures take at most, about [bytes].
 const BYTES_OF_PAGE: u64 = 10_000_000;
@@ -29,7 +31,8 @@ pub(crate) fn run(options: &StudyArgs, output: &mut Output) -> Result<ExitCode, 
     let mut stores = Vec::new();
     for (study, folder) in studies.iter().zip(&folders) {
         let store = Store::open(folder, study.to_toml(), study.identity(), study.len(), shard)?;
-        store.check_space(BYTES_PER_ROLLOUT + BYTES_OF_PAGE.div_ceil(study.len()))?;
+        let tables = study.len().saturating_mul(BYTES_PER_ROW) + BYTES_OF_PAGE;
+        store.check_space(BYTES_PER_ROLLOUT, if shard.is_none() { tables } else { 0 })?;
         stores.push(store);
     }
     listen_for_interrupt();
@@ -53,10 +56,11 @@ pub(crate) fn merge(options: &MergeArgs, output: &mut Output) -> Result<ExitCode
     let into = options.into.as_ref().unwrap_or(&options.folders[0]);
     let survey = store::merge(&options.folders, into)?;
     let store = Store::read(into)?;
-    if !survey.missing.is_empty() {
-        let (missing, all) = (survey.missing.len(), store.number_of_chunks());
-        let problem = format!("{missing} of {all} chunks are missing; run the shards that lack them to their end");
+    if let Some(problem) = lacks(&survey, store.number_of_chunks()) {
         return Err(Error::invalid(into.display().to_string(), problem).into());
+    }
+    for damaged in &survey.damaged {
+        warn(&format!("{}: {}; another folder has it whole", damaged.path.display(), damaged.problem));
     }
     let study = Study::parse(store.text(), &into.join("study.toml").display().to_string(), None, &[])?;
     if (study.identity(), study.len()) != (store.identity(), store.total()) {
@@ -66,6 +70,26 @@ pub(crate) fn merge(options: &MergeArgs, output: &mut Output) -> Result<ExitCode
     }
     publish(&study, &store, into, options.json, output)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// What a merge cannot go on without: chunks that are nowhere, and those that are nowhere whole.
+fn lacks(survey: &Survey, all: u64) -> Option<String> {
+    let (mut absent, mut damaged) = (0, Vec::new());
+    for chunk in &survey.missing {
+        match survey.damaged.iter().find(|damaged| damaged.chunk == *chunk) {
+            Some(found) => damaged.push(format!("{} {}", found.path.display(), found.problem)),
+            None => absent += 1,
+        }
+    }
+    let absent = (absent > 0)
+        .then(|| format!("{absent} of {all} chunks are missing; run the shards that lack them to their end"));
+    let damaged = (!damaged.is_empty()).then(|| {
+        let (count, first) = (damaged.len(), &damaged[0]);
+        let more = if count > 1 { format!("; so are {} more", count - 1) } else { String::new() };
+        format!("{count} of {all} chunks are damaged: {first}{more}; run their shards again, which makes them anew")
+    });
+    let said: Vec<String> = damaged.into_iter().chain(absent).collect();
+    (!said.is_empty()).then(|| said.join("; "))
 }
 
 /// The folder of each study: the one given, or one below it for each of several, or one by its name here.
@@ -126,12 +150,7 @@ fn publish(study: &Study, store: &Store, folder: &Path, json: bool, output: &mut
             ));
         }
         if endings.doubtful > 0 {
-            warn(&format!(
-                "{}: {} of {} rollouts broke bounds of the simulation; the column violations says which",
-                base.name(),
-                endings.doubtful,
-                endings.rollouts
-            ));
+            warn(&format!("{}: {} of {} rollouts {DOUBT}", base.name(), endings.doubtful, endings.rollouts));
         }
     }
     let summary = study_summary::json(&results)?;

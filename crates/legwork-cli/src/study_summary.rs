@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 
 use legwork::error::Error;
-use legwork_report::study::{BOOTSTRAP, endings};
+use legwork_report::study::{BOOTSTRAP, endings, range};
 use legwork_study::design::Design;
-use legwork_study::results::{Results, SURVIVED};
+use legwork_study::results::{Range, Results, SURVIVED};
+use legwork_study::rollout::DOUBTFUL;
 use legwork_study::sensitivity::Estimate;
 use legwork_study::{Ending, Level};
 use serde_json::{Map, Value, json};
@@ -24,11 +25,13 @@ pub(crate) fn text(results: &Results) -> Result<String, Error> {
                 for factor in 0..study.factors.len() {
                     text += &sweep(results, number, factor);
                 }
+                text += &ranges(results, number);
             }
             Design::Saltelli { .. } => text += &sobol(results, number)?,
             Design::Morris { .. } => text += &morris(results, number)?,
             Design::Grid | Design::LatinHypercube { .. } | Design::SobolSequence { .. } => {
-                text += &spread(results, number)
+                text += &spread(results, number);
+                text += &ranges(results, number);
             }
         }
     }
@@ -55,7 +58,9 @@ fn sweep(results: &Results, base: usize, factor: usize) -> String {
             shown.iter().for_each(|&metric| {
                 let _ = write!(text, "{:>11}", row.metrics[metric].map_or("none".to_owned(), digits));
             });
-            text += if row.is_doubtful { "  broke bounds of the simulation" } else { "" };
+            if row.is_doubtful {
+                let _ = write!(text, "  {DOUBTFUL}");
+            }
         } else {
             let when = row.fell_at_s.map_or(String::new(), |time| format!(" at {time:.2} s"));
             let cause = row.cause.as_ref().map_or(String::new(), |cause| format!(": {cause}"));
@@ -74,6 +79,28 @@ fn spread(results: &Results, base: usize) -> String {
         let _ = write!(text, "\n  {:<32}{low:>12}{median:>12}{high:>12}", column.name);
     }
     text
+}
+
+/// From where to where each metric goes.
+fn ranges(results: &Results, base: usize) -> String {
+    let mut text = format!("\n  {:<32}", "least to greatest of these");
+    for found in results.ranges(base) {
+        let _ = write!(text, "\n  {:<32}  {}", found.column.name, with_unit(&found));
+    }
+    text
+}
+
+/// A range with its unit.
+fn with_unit(found: &Range) -> String {
+    format!("{} {}", range(found), found.column.unit).trim_end().to_owned()
+}
+
+/// The name of a metric with its range; `flat` where it is the same in all rollouts.
+fn head(results: &Results, base: usize, metric: &str, flat: bool) -> String {
+    let words = if flat { Some("the same in all rollouts".to_owned()) } else { None };
+    let range = results.range(base, metric).map(|found| with_unit(&found));
+    let said: Vec<String> = words.into_iter().chain(range).collect();
+    if said.is_empty() { metric.to_owned() } else { format!("{metric}: {}", said.join(", ")) }
 }
 
 /// A name that fits its column.
@@ -103,11 +130,9 @@ pub(crate) fn digits(value: f64) -> String {
 fn sobol(results: &Results, base: usize) -> Result<String, Error> {
     let mut text = String::new();
     for sensitivity in results.sobol(base, &BOOTSTRAP)? {
-        let _ = write!(text, "\n  {}", sensitivity.metric);
-        let Some(shares) = &sensitivity.indices.shares else {
-            text += ": the same in all rollouts";
-            continue;
-        };
+        let shares = &sensitivity.found.shares;
+        let _ = write!(text, "\n  {}", head(results, base, &sensitivity.metric, shares.is_none()));
+        let Some(shares) = shares else { continue };
         let _ = write!(text, "\n    {:<24} {:>26} {:>26}", "", "first order", "total");
         let mut order: Vec<usize> = (0..shares.total.len()).collect();
         order.sort_by(|&a, &b| shares.total[b].value.total_cmp(&shares.total[a].value));
@@ -123,8 +148,10 @@ fn sobol(results: &Results, base: usize) -> Result<String, Error> {
 /// The factors in the order of their mean absolute effect, for survival and each metric.
 fn morris(results: &Results, base: usize) -> Result<String, Error> {
     let mut text = String::new();
-    for (metric, effects) in results.morris(base, &BOOTSTRAP)? {
-        let _ = write!(text, "\n  {metric}\n    {:<24} {:>28} {:>12}", "", "mean absolute effect", "deviation");
+    for sensitivity in results.morris(base, &BOOTSTRAP)? {
+        let _ = write!(text, "\n  {}", head(results, base, &sensitivity.metric, sensitivity.found.is_none()));
+        let Some(effects) = sensitivity.found else { continue };
+        let _ = write!(text, "\n    {:<24} {:>28} {:>12}", "", "mean absolute effect", "deviation");
         let mut order: Vec<usize> = (0..effects.len()).collect();
         order.sort_by(|&a, &b| effects[b].mu_star.value.total_cmp(&effects[a].mu_star.value));
         for factor in order {
@@ -155,29 +182,11 @@ pub(crate) fn json(results: &Results) -> Result<Value, Error> {
         scenario.insert("failed".into(), endings.failed.into());
         scenario.insert("doubtful".into(), endings.doubtful.into());
         scenario.insert("causes".into(), json!(endings.causes));
-        match study.design {
-            Design::OneAtATime => {
-                let sweeps = (0..study.factors.len()).map(|factor| sweep_json(results, number, factor));
-                scenario.insert("sweeps".into(), sweeps.collect());
-            }
-            Design::Saltelli { .. } => {
-                let metrics = results.sobol(number, &BOOTSTRAP)?;
-                let entry = |s: &legwork_study::results::Sensitivity| json!({ "metric": s.metric, "sobol": s.indices });
-                scenario.insert("metrics".into(), metrics.iter().map(entry).collect());
-            }
-            Design::Morris { .. } => {
-                let metrics = results.morris(number, &BOOTSTRAP)?;
-                let entry = |(metric, effects): &(String, _)| json!({ "metric": metric, "morris": effects });
-                scenario.insert("metrics".into(), metrics.iter().map(entry).collect());
-            }
-            Design::Grid | Design::LatinHypercube { .. } | Design::SobolSequence { .. } => {
-                let spread = results.columns.iter().enumerate().map(|(metric, column)| {
-                    let [low, median, high] = results.quantiles(number, metric, [0.05, 0.5, 0.95]);
-                    json!({ "metric": column.name, "p05": low, "median": median, "p95": high })
-                });
-                scenario.insert("metrics".into(), spread.collect());
-            }
+        if study.design == Design::OneAtATime {
+            let sweeps = (0..study.factors.len()).map(|factor| sweep_json(results, number, factor));
+            scenario.insert("sweeps".into(), sweeps.collect());
         }
+        scenario.insert("metrics".into(), metrics_json(results, number)?);
         scenarios.push(Value::Object(scenario));
     }
     let factors: Vec<Value> = study
@@ -196,6 +205,36 @@ pub(crate) fn json(results: &Results) -> Result<Value, Error> {
         "metrics": study.metrics,
         "scenarios": scenarios,
     }))
+}
+
+/// Each metric with its range, and what the design says of it.
+fn metrics_json(results: &Results, base: usize) -> Result<Value, Error> {
+    let entry = |metric: &str, found: Value| {
+        let unit = results.columns.iter().find(|column| column.name == metric).map_or("", |column| column.unit);
+        let (least, greatest) = results.range(base, metric).map(|found| (found.least, found.greatest)).unzip();
+        let mut entry = json!({ "metric": metric, "unit": unit, "least": least, "greatest": greatest });
+        let (known, more) = (entry.as_object_mut(), if let Value::Object(more) = found { more } else { Map::new() });
+        known.expect("it was made as one").extend(more);
+        entry
+    };
+    let names = || results.columns.iter().map(|column| column.name.as_str()).enumerate();
+    Ok(match results.study.design {
+        Design::Saltelli { .. } => {
+            let found = results.sobol(base, &BOOTSTRAP)?;
+            found.iter().map(|s| entry(&s.metric, json!({ "sobol": s.found }))).collect()
+        }
+        Design::Morris { .. } => {
+            let found = results.morris(base, &BOOTSTRAP)?;
+            found.iter().map(|s| entry(&s.metric, json!({ "morris": s.found }))).collect()
+        }
+        Design::OneAtATime => names().map(|(_, name)| entry(name, Value::Null)).collect(),
+        Design::Grid | Design::LatinHypercube { .. } | Design::SobolSequence { .. } => names()
+            .map(|(metric, name)| {
+                let [low, median, high] = results.quantiles(base, metric, [0.05, 0.5, 0.95]);
+                entry(name, json!({ "p05": low, "median": median, "p95": high }))
+            })
+            .collect(),
+    })
 }
 
 fn sweep_json(results: &Results, base: usize, factor: usize) -> Value {

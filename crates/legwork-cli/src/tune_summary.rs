@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use legwork_study::Rollout;
+use legwork_study::rollout::DOUBTFUL;
 use legwork_study::tune::{Comparison, Score, Stop, Tuned, Tuning};
 use serde_json::{Map, Value, json};
 
@@ -66,6 +67,9 @@ fn table(title: &str, cases: &[Comparison], tuning: &Tuning, metrics: &[usize]) 
                 let when = rollout.fell_at_s.map_or(String::new(), |time| format!(" at {time:.2} s"));
                 let _ = write!(text, "    {}{when}", rollout.ending.name());
             }
+            if rollout.violations.is_some() {
+                let _ = write!(text, "\n      {DOUBTFUL}");
+            }
         }
     }
     text
@@ -128,6 +132,7 @@ fn case_json(tuning: &Tuning, case: &Comparison) -> Value {
             "fell_at_s": rollout.fell_at_s,
             "cause": rollout.cause,
             "reason": rollout.reason,
+            "violations": rollout.violations,
             "figures": figures,
             "input_hash": rollout.input_hash,
             "result_hash": rollout.result_hash,

@@ -6,7 +6,7 @@ use legwork_study::sizing::{Pair, Sizing};
 use maud::{Markup, html};
 use serde::Serialize;
 
-use super::envelope::{demands, speed_torque_figure, torque_speed_figure};
+use super::envelope::{demands, doubt, doubts, speed_torque_figure, torque_speed_figure};
 use crate::charts::axis::Quantity;
 use crate::charts::bars::{Bar, Bars, Group};
 use crate::charts::numbers::number;
@@ -67,9 +67,21 @@ pub struct Strike {
     pub impulse_ns: Option<f64>,
     /// Why a larger one is not survived.
     pub reason_beyond: Option<String>,
+    /// Bounds of the simulator's audit that were broken on the way to it, in words.
+    pub violations: Option<String>,
 }
 
 impl Report {
+    /// How many answers rest on rollouts that broke bounds of the simulation, in words; none where there are none.
+    pub fn doubts(&self) -> Option<String> {
+        let robots = || self.robots.iter();
+        let gaits = robots().flat_map(|robot| &robot.gaits).map(|gait| gait.violations.is_some());
+        let strikes = robots().flat_map(|robot| &robot.pushes).flat_map(|pushes| &pushes.strikes);
+        let strikes = strikes.map(|strike| strike.violations.is_some());
+        let pairs = robots().flat_map(|robot| &robot.map).map(|pair| pair.violations.is_some());
+        doubts([("walks", gaits.collect()), ("impulses", strikes.collect()), ("pairs", pairs.collect())])
+    }
+
     /// What the comparison is called.
     pub fn title(&self) -> String {
         let [first, second] = &self.robots[..] else { unreachable!("two robots are compared") };
@@ -134,10 +146,17 @@ pub fn speeds(report: &Report) -> Vec<f64> {
     speeds
 }
 
-/// The largest impulse that a robot survives at a phase from a direction [Ns]; none where it was not found.
-pub fn impulse(robot: &Robot, phase: Option<f64>, direction_deg: f64) -> Option<f64> {
+/// The largest impulse that a robot survives at a phase from a direction; none where it was not sought.
+pub fn strike(robot: &Robot, phase: Option<f64>, direction_deg: f64) -> Option<&Strike> {
     let strikes = &robot.pushes.as_ref()?.strikes;
-    strikes.iter().find(|strike| strike.phase == phase && strike.direction_deg == direction_deg)?.impulse_ns
+    strikes.iter().find(|strike| strike.phase == phase && strike.direction_deg == direction_deg)
+}
+
+/// The impulse of [`strike`] as a table shows it, with a star where it rests on rollouts that broke bounds of the simulation.
+pub fn impulse(robot: &Robot, phase: Option<f64>, direction_deg: f64) -> String {
+    let Some(strike) = strike(robot, phase, direction_deg) else { return NONE.to_owned() };
+    let star = if strike.violations.is_some() { "*" } else { "" };
+    strike.impulse_ns.map_or(NONE.to_owned(), |impulse| format!("{impulse:.0}")) + star
 }
 
 /// The phases that were struck, in their order.
@@ -172,6 +191,7 @@ pub fn page(report: &Report) -> Page {
     let lead = html! {
         p { "Two robots at the same speeds and under the same pushes, beside a person." }
         @if report.interrupted { p class="banner warning" { "The work was interrupted: some of it is missing." } }
+        @if let Some(doubts) = report.doubts() { p class="banner warning" { (doubts) "." } }
     };
     let title = format!("{} and {}", report.robots[0].scenario, report.robots[1].scenario);
     document(&title, &lead, &chapters, figures)
@@ -202,6 +222,7 @@ fn walk(report: &Report, speed: f64, figures: &mut Figures) -> Section {
             @if let Some(reason) = gait.and_then(|gait| gait.failure.as_ref()) {
                 p class="banner bad" { strong { (robot.scenario) " does not walk at " (speed) " m/s: " } (reason) "." }
             }
+            (doubt(&robot.scenario, gait.and_then(|gait| gait.violations.as_ref())))
         }
         @if walks.iter().any(Option::is_some) {
             (figures.add(&format!("torques-{speed}"), &format!("Peak torques at {speed} m/s"),
@@ -241,14 +262,21 @@ fn pushes(robots: &[Robot], quick: bool, figures: &mut Figures) -> Option<Sectio
     let speed = robots.iter().find_map(|robot| robot.pushes.as_ref())?.speed_mps;
     let struck: Vec<f64> = phases(robots).into_iter().flatten().collect();
     let panel = |title: &str, direction: f64| {
-        let of =
-            |robot| struck.iter().map(|&phase| impulse(robot, Some(phase), direction).unwrap_or(f64::NAN)).collect();
+        let of = |robot| {
+            let value = |phase| strike(robot, Some(phase), direction).and_then(|strike| strike.impulse_ns);
+            struck.iter().map(|&phase| value(phase).unwrap_or(f64::NAN)).collect()
+        };
         let values = robots.iter().map(of).collect();
         Panel { title: title.to_owned(), parts: vec![Part::new(Quantity::new("largest impulse", "Ns"), values)] }
     };
+    // A phase has a mark in both directions or in none.
+    let is_doubtful = |robot: &Robot, phase: f64| {
+        let strikes = [0.0, 180.0].map(|direction| strike(robot, Some(phase), direction));
+        strikes.into_iter().flatten().any(|strike| strike.violations.is_some())
+    };
     let series = |robot: &Robot| Series {
         label: robot.scenario.clone(),
-        points: struck.iter().map(|&x| Point { x, fell: false }).collect(),
+        points: struck.iter().map(|&x| Point { x, fell: false, doubtful: is_doubtful(robot, x) }).collect(),
     };
     let sweep = Sweep {
         x: Quantity::new("phase of the stride", ""),
@@ -256,9 +284,6 @@ fn pushes(robots: &[Robot], quick: bool, figures: &mut Figures) -> Option<Sectio
         marked: None,
         series: robots.iter().map(series).collect(),
         panels: vec![panel("forward", 0.0), panel("backward", 180.0)],
-    };
-    let shown = |robot: &Robot, phase, direction| {
-        impulse(robot, phase, direction).map_or("\u{2013}".to_owned(), |impulse| format!("{impulse:.0}"))
     };
     let body = html! {
         p {
@@ -278,7 +303,7 @@ fn pushes(robots: &[Robot], quick: bool, figures: &mut Figures) -> Option<Sectio
                 @for phase in phases(robots) {
                     tr {
                         th scope="row" { (phase_label(phase)) }
-                        @for robot in robots { td { (shown(robot, phase, 0.0)) } td { (shown(robot, phase, 180.0)) } }
+                        @for robot in robots { td { (impulse(robot, phase, 0.0)) } td { (impulse(robot, phase, 180.0)) } }
                     }
                 }
             }

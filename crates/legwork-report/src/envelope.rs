@@ -3,6 +3,7 @@
 use legwork_study::Ending;
 use legwork_study::limits::Answer;
 use legwork_study::robustness::{Cell as Struck, Stride};
+use legwork_study::rollout::{DOUBT, DOUBTFUL};
 use legwork_study::sizing::{Coping, Demand, Pair, Sizing, Use};
 use maud::{Markup, html};
 use serde::Serialize;
@@ -46,6 +47,39 @@ pub struct RobustnessMap {
     pub cells: Vec<Struck>,
 }
 
+impl Report {
+    /// How many answers rest on rollouts that broke bounds of the simulation, in words; none where there are none.
+    pub fn doubts(&self) -> Option<String> {
+        let limits = self.limits.iter().flatten().map(|answer| answer.found.violations.is_some());
+        let cells = self.robustness.iter().flat_map(|map| &map.cells).map(|cell| cell.found.violations.is_some());
+        let uses = self.sizing.iter().flat_map(|sizing| &sizing.uses).map(|used| used.violations.is_some());
+        let pairs = self.map.iter().flatten().map(|pair| pair.violations.is_some());
+        doubts([
+            ("limits", limits.collect()),
+            ("impulses", cells.collect()),
+            ("runs", uses.collect()),
+            ("pairs", pairs.collect()),
+        ])
+    }
+}
+
+/// Of several kinds of answers, each with whether it is doubtful: how many are.
+pub(super) fn doubts<const N: usize>(kinds: [(&str, Vec<bool>); N]) -> Option<String> {
+    let count = |all: &[bool]| all.iter().filter(|is_doubtful| **is_doubtful).count();
+    let said = kinds.iter().filter(|(_, all)| count(all) > 0);
+    let said: Vec<String> = said.map(|(what, all)| format!("{} of {} {what}", count(all), all.len())).collect();
+    (!said.is_empty()).then(|| format!("{} rest on rollouts that {DOUBT}", said.join(", ")))
+}
+
+/// That a run broke bounds of the simulation, and which.
+pub(super) fn doubt(what: &str, violations: Option<&String>) -> Markup {
+    html! {
+        @if let Some(violations) = violations {
+            p class="banner warning" { strong { (what) " " (DOUBTFUL) ": " } (violations) "." }
+        }
+    }
+}
+
 /// The page of `report`.
 pub fn page(report: &Report) -> Page {
     let mut figures = Figures::default();
@@ -57,6 +91,7 @@ pub fn page(report: &Report) -> Page {
     let lead = html! {
         p { "How far " b { (report.walk) } " and " b { (report.push) } " can be taken until the robot falls, and what its actuators must deliver." }
         @if report.interrupted { p class="banner warning" { "The work was interrupted: some of it is missing." } }
+        @if let Some(doubts) = report.doubts() { p class="banner warning" { (doubts) "." } }
     };
     document("Limits and sizing", &lead, &chapters, figures)
 }
@@ -65,7 +100,7 @@ fn limits(answers: &[Answer], quick: bool) -> Chapter {
     let shown = |value: Option<f64>| value.map_or("\u{2013}".to_owned(), number);
     let body = html! {
         div.scroll { table {
-            thead { tr { th.left { "scenario" } th.left { "question" } th { "limit" } th { "first failure" } th { "furthest that held" } th { "rollouts" } } }
+            thead { tr { th.left { "scenario" } th.left { "question" } th { "limit" } th { "first failure" } th { "furthest that held" } th { "rollouts" } th.left { "bounds broken" } } }
             tbody {
                 @for answer in answers {
                     tr {
@@ -75,6 +110,7 @@ fn limits(answers: &[Answer], quick: bool) -> Chapter {
                         td { (shown(answer.found.first_failure)) }
                         td { (shown(answer.found.furthest_held)) }
                         td.soft { (answer.found.rollouts) }
+                        td.left { (answer.found.violations.as_deref().unwrap_or("\u{2013}")) }
                     }
                 }
             }
@@ -114,10 +150,11 @@ fn robustness(map: &RobustnessMap, figures: &mut Figures) -> Chapter {
             directions.push(cell.direction_deg);
         }
     }
-    let value = |phase: Option<f64>, direction: f64| {
-        let cell = map.cells.iter().find(|cell| cell.phase == phase && cell.direction_deg == direction);
-        cell.and_then(|cell| cell.found.value).unwrap_or(f64::NAN)
+    let cell = |phase: Option<f64>, direction: f64| {
+        map.cells.iter().find(|cell| cell.phase == phase && cell.direction_deg == direction)
     };
+    let value = |phase, direction| cell(phase, direction).and_then(|cell| cell.found.value).unwrap_or(f64::NAN);
+    let is_doubtful = |phase, direction| cell(phase, direction).is_some_and(|cell| cell.found.violations.is_some());
     let polar = Polar {
         radius: Quantity::new("largest impulse", "Ns/kg"),
         directions: ["forward", "up", "backward", "down"].map(str::to_owned),
@@ -126,9 +163,11 @@ fn robustness(map: &RobustnessMap, figures: &mut Figures) -> Chapter {
             .map(|&phase| Curve {
                 label: label(phase),
                 points: directions.iter().map(|&direction| [direction, value(phase, direction)]).collect(),
+                doubtful: directions.iter().copied().filter(|&direction| is_doubtful(phase, direction)).collect(),
             })
             .collect(),
     };
+    let all = || (0..phases.len()).flat_map(|row| (0..directions.len()).map(move |column| [row, column]));
     let heat = HeatMap {
         row_title: "phase of the stride".into(),
         column_title: "direction of the push".into(),
@@ -140,6 +179,7 @@ fn robustness(map: &RobustnessMap, figures: &mut Figures) -> Chapter {
             .map(|&phase| directions.iter().map(|&direction| value(phase, direction)).collect())
             .collect(),
         centre: None,
+        doubtful: all().filter(|&[row, column]| is_doubtful(phases[row], directions[column])).collect(),
     };
     let body = html! {
         (figures.add("robustness-polar", "Largest impulse that is survived, by direction",
@@ -198,6 +238,7 @@ fn actuators(sizing: &Sizing, figures: &mut Figures) -> Chapter {
             @if used.ending != Ending::Completed {
                 p class="banner bad" { strong { "The robot fell: " } (used.reason.clone().unwrap_or_default()) ". The figures are those up to the fall." }
             }
+            (doubt("The run", used.violations.as_ref()))
             (demands(&used.joints))
             (torque_speed_figure(used, figures))
         };
@@ -259,6 +300,11 @@ pub(super) fn speed_torque_figure(name: &str, pairs: &[Pair], figures: &mut Figu
         y: Quantity::new("torque limit", "Nm"),
         shade: Some(Quantity::new("speed reached, as a share", "")),
         cells: pairs.iter().map(|pair| ([pair.speed_mps, pair.torque_limit_nm], holds(pair))).collect(),
+        doubtful: pairs
+            .iter()
+            .filter(|pair| pair.violations.is_some())
+            .map(|pair| [pair.speed_mps, pair.torque_limit_nm])
+            .collect(),
     };
     figures.add(
         name,

@@ -216,7 +216,11 @@ fn sweep(reproduction: &Reproduction, study: &str, experiment: Experiment) -> Sw
         points: sweep
             .levels
             .iter()
-            .map(|tried| Point { x: tried.level, fell: tried.rollout.ending != Ending::Completed })
+            .map(|tried| Point {
+                x: tried.level,
+                fell: tried.rollout.ending != Ending::Completed,
+                doubtful: tried.rollout.violations.is_some(),
+            })
             .collect(),
     });
     let values = |figure: &str| -> Vec<Vec<f64>> {

@@ -19,6 +19,11 @@ const MARGIN: f64 = 0.05;
 /// search space repeats, and a distribution that is wider than its period has nothing left to learn.
 const WIDEST: f64 = 1.0 / 3.0;
 
+/// Candidates of a generation in `n` dimensions. Tutorial, (48).
+pub(crate) fn default_population(n: usize) -> usize {
+    4 + (3.0 * libm::log(n as f64)).floor() as usize
+}
+
 /// Weights and learning rates, functions of dimension and population. Tutorial, Table 1.
 #[derive(Clone, Debug)]
 struct Rates {
@@ -113,7 +118,7 @@ impl CmaEs {
         assert!(n > 0 && start.iter().all(|x| (0.0..=1.0).contains(x)), "the start lies in the unit cube");
         assert!(sigma > 0.0 && sigma.is_finite(), "sigma is positive");
         // (48)
-        let population = population.unwrap_or_else(|| 4 + (3.0 * libm::log(n as f64)).floor() as usize);
+        let population = population.unwrap_or_else(|| default_population(n));
         assert!(population >= 2, "a ranking needs at least two candidates");
         let sigma = sigma.min(WIDEST);
         Self {

@@ -42,6 +42,8 @@ pub struct Gait {
     pub speed_mps: f64,
     /// Why it does not walk at it; none where it does.
     pub failure: Option<String>,
+    /// Bounds of the simulator's audit that the run broke, in words.
+    pub violations: Option<String>,
     /// How it walks; none where it does not.
     pub figures: Option<Figures>,
     /// What that asks of the actuators, under the scenario's name with the speed; none where it does not walk.
@@ -85,7 +87,8 @@ impl Gait {
     /// Runs `base`, which walks as `commanded`, at another speed [m/s]; none where `stop` says so before the end. That the
     /// speed cannot be set, or the run not be started, is a result.
     pub fn of(base: &Base, commanded: CommandedSpeed, speed_mps: f64, stop: impl Fn() -> bool) -> Option<Self> {
-        let failed = |reason| Some(Self { speed_mps, failure: Some(reason), figures: None, used: None });
+        let failed =
+            |reason, violations| Some(Self { speed_mps, failure: Some(reason), violations, figures: None, used: None });
         let tried = base.at_speed(commanded, speed_mps).and_then(|base| {
             let run = rollout::simulate(base.variant(), stop)?;
             Ok((base, run))
@@ -93,20 +96,22 @@ impl Gait {
         let (base, mut run) = match tried {
             Ok((_, run)) if run.outcome == Outcome::Stopped => return None,
             Ok(walked) => walked,
-            Err(error) => return failed(error.to_string()),
+            Err(error) => return failed(error.to_string(), None),
         };
-        if let Some(reason) = Held::KeepsSpeed(SPEED_SHARE).failure(base.variant(), &Rollout::of(&run)) {
-            return failed(reason);
+        let rollout = Rollout::of(&run);
+        if let Some(reason) = Held::KeepsSpeed(SPEED_SHARE).failure(base.variant(), &rollout) {
+            return failed(reason, rollout.violations);
         }
         let steady_from = run.scenario.reference.commanded_speed().map_or(0.0, |commanded| commanded.steady_from_s);
         run.log = run.log.since(steady_from.max(STEADY_FROM_S));
         if run.log.is_empty() {
-            return failed("the run is too short for a steady walk".to_owned());
+            return failed("the run is too short for a steady walk".to_owned(), rollout.violations);
         }
         run.metrics = metrics::measure(&run.scenario, &run.model, &run.log);
         let mut used = Use::of(&run);
         used.scenario = format!("{} at {speed_mps} m/s", base.name());
-        Some(Self { speed_mps, failure: None, figures: Some(figures(&run, &used)), used: Some(used) })
+        let figures = Some(figures(&run, &used));
+        Some(Self { speed_mps, failure: None, violations: rollout.violations, figures, used: Some(used) })
     }
 }
 

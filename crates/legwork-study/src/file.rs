@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use toml::{Spanned, Value};
+use toml::de::{DeString, DeTable, DeValue};
+use toml::{Spanned, Table, Value};
 
 use crate::design::Design;
 use crate::factor::{Factor, Level, Levels, Range};
@@ -29,7 +30,7 @@ pub(super) struct StudyFile {
     pub(super) metrics: Vec<Spanned<String>>,
     /// Settings changed in every scenario: path to value.
     #[serde(default)]
-    pub(super) set: toml::Table,
+    pub(super) set: Table,
     pub(super) factors: Vec<Spanned<FactorEntry>>,
 }
 
@@ -82,6 +83,34 @@ fn take(path: &str, taken: &mut BTreeSet<String>) -> bool {
     !outer && !inner && taken.insert(path.to_owned())
 }
 
+/// Whether `outer` is the path `inner` or that of what holds it.
+pub(super) fn holds(outer: &str, inner: &str) -> bool {
+    inner.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+}
+
+/// The values of nested tables with their paths: `set.ground.friction = 0.5` means the same as
+/// `set = { "ground.friction" = 0.5 }`.
+pub(super) fn leaves(table: &Table) -> Vec<(String, Value)> {
+    let below = |(key, value): (&String, &Value)| match value {
+        Value::Table(inner) => {
+            leaves(inner).into_iter().map(|(path, value)| (format!("{key}.{path}"), value)).collect()
+        }
+        value => vec![(key.clone(), value.clone())],
+    };
+    table.iter().flat_map(below).collect()
+}
+
+/// The paths of [`leaves`] with the place of each key in the text.
+fn places(table: &DeTable) -> Vec<(String, usize)> {
+    let below = |(key, value): (&Spanned<DeString>, &Spanned<DeValue>)| match value.get_ref() {
+        DeValue::Table(inner) => {
+            places(inner).into_iter().map(|(path, start)| (format!("{}.{path}", key.get_ref()), start)).collect()
+        }
+        _ => vec![(key.get_ref().to_string(), key.span().start)],
+    };
+    table.iter().flat_map(below).collect()
+}
+
 /// A text with its file's name, to say where something stands.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
@@ -98,6 +127,14 @@ impl Source<'_> {
     /// What is wrong with the `key` at `offset`.
     pub(super) fn error(&self, offset: usize, key: &str, problem: impl Into<String>) -> Error {
         Error::invalid(format!("{}: {key}", self.line(offset)), problem)
+    }
+
+    /// What is wrong with what the table `set` gives the setting at `path`.
+    pub(super) fn error_of_set(&self, path: &str, problem: String) -> Error {
+        let document = DeTable::parse(self.text).ok();
+        let set = document.as_ref().and_then(|document| document.get_ref().get("set")?.get_ref().as_table());
+        let place = set.and_then(|set| places(set).into_iter().find(|(given, _)| given == path));
+        self.error(place.map_or(0, |(_, start)| start), &format!("set.{path}"), problem)
     }
 
     /// Reads the text.

@@ -2,7 +2,7 @@
 //!
 //! A study is data (`studies/*.toml`): scenarios, factors with their levels, a design. [`Study`] numbers its rollouts;
 //! [`store`] keeps them in chunks, [`parallel`] makes them on all cores, [`table`] writes them, and [`results`] and
-//! [`sensitivity`] say what they mean. The others ask questions of their own:
+//! [`sensitivity`] say what they mean, with [`ties`] for figures that are equal. The others ask questions of their own:
 //!
 //! | module | question |
 //! |---|---|
@@ -18,6 +18,7 @@ pub mod comparison;
 pub mod design;
 mod factor;
 mod file;
+pub mod files;
 pub mod limits;
 pub mod parallel;
 pub mod results;
@@ -30,6 +31,7 @@ mod sobol_sequence;
 pub mod store;
 mod study;
 pub mod table;
+pub mod ties;
 pub mod tune;
 
 pub use base::{Base, Change, Variant};

@@ -5,7 +5,7 @@ use serde::Serialize;
 use toml::Value;
 
 use crate::rollout::{self, Rollout};
-use crate::search::{Found, Search};
+use crate::search::{Attempt, Found, Search};
 use crate::{Base, Change, Variant};
 use legwork::error::Error;
 use legwork::metrics::FIGURES;
@@ -136,11 +136,14 @@ impl<'a> Question<'a> {
     /// Searches for the answer; none where `stop` says so before. The same on any number of threads.
     pub fn answer(&self, stop: impl Fn() -> bool + Sync) -> Option<Answer> {
         let mut found = self.search.run(|value, nudge| {
-            let failure = match self.variant(value, nudge) {
-                Ok(variant) => self.held.failure(&variant, &rollout::run(&variant, &stop)?),
-                Err(error) => Some(error.to_string()),
+            let (failure, violations) = match self.variant(value, nudge) {
+                Ok(variant) => {
+                    let rollout = rollout::run(&variant, &stop)?;
+                    (self.held.failure(&variant, &rollout), rollout.violations)
+                }
+                Err(error) => (Some(error.to_string()), None),
             };
-            Some(failure.map_or(Ok(()), |reason| Err(after_nudge(nudge, reason))))
+            Some(Attempt { failure: failure.map(|reason| after_nudge(nudge, reason)), violations })
         })?;
         let scale = |value: &mut f64| *value = (*value * self.factor * 1e9).round() / 1e9;
         [&mut found.value, &mut found.first_failure, &mut found.furthest_held].into_iter().flatten().for_each(scale);

@@ -7,6 +7,7 @@ use crate::design::Design;
 use crate::rollout::Column;
 use crate::sensitivity::{Bootstrap, Effects, Indices, morris, sobol_indices};
 use crate::table::{self, Cell, Kind, TableWriter};
+use crate::ties;
 use crate::{Ending, Level, Rollout, Study};
 use legwork::error::Error;
 
@@ -63,13 +64,34 @@ pub struct Endings {
 /// A factor's levels with the rows of all its rollouts in one scenario.
 pub type Sweep<'a> = Vec<(Level, &'a Row)>;
 
-/// Sobol' indices of one metric in one scenario.
+/// What one metric depends on in one scenario.
 #[derive(Clone, Debug)]
-pub struct Sensitivity {
+pub struct Sensitivity<T> {
     /// The metric, or [`SURVIVED`].
     pub metric: String,
-    /// The indices.
-    pub indices: Indices,
+    /// What the analysis found.
+    pub found: T,
+}
+
+/// The elementary effects of each factor; none where the metric is the same in all rollouts but for rounding.
+pub type AllEffects = Option<Vec<Effects>>;
+
+/// How far a metric goes in the rollouts of one scenario that stood.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range<'a> {
+    /// The metric.
+    pub column: &'a Column,
+    /// The least value, in the metric's unit.
+    pub least: f64,
+    /// The greatest.
+    pub greatest: f64,
+}
+
+impl Range<'_> {
+    /// Whether all values are the same but for rounding.
+    pub fn is_one_value(&self) -> bool {
+        ties::are_equal(self.least, self.greatest)
+    }
 }
 
 impl<'a> Results<'a> {
@@ -142,15 +164,13 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// Fewer than two base samples can be used.
-    pub fn sobol(&self, base: usize, bootstrap: &Bootstrap) -> Result<Vec<Sensitivity>, Error> {
+    pub fn sobol(&self, base: usize, bootstrap: &Bootstrap) -> Result<Vec<Sensitivity<Indices>>, Error> {
         let Design::Saltelli { second_order, .. } = self.study.design else { return Ok(Vec::new()) };
         let of = |(metric, outputs): (String, Vec<f64>)| {
-            let indices = sobol_indices(&outputs, self.study.factors.len(), second_order, bootstrap)?;
-            Ok(Sensitivity { metric, indices })
+            let found = sobol_indices(&outputs, self.study.factors.len(), second_order, bootstrap)?;
+            Ok(Sensitivity { metric, found })
         };
-        let survived = (SURVIVED.to_owned(), self.survival(base));
-        let ranked = self.whole_runs(base).map(|(metric, values)| (metric, ranks(&values)));
-        std::iter::once(survived).chain(ranked).map(of).collect()
+        self.outputs(base).map(of).collect()
     }
 
     /// Elementary effects of each factor on survival and on the rank of each metric, as in [`Results::sobol`]; none of
@@ -158,13 +178,35 @@ impl<'a> Results<'a> {
     ///
     /// # Errors
     /// Fewer than two trajectories can be used.
-    pub fn morris(&self, base: usize, bootstrap: &Bootstrap) -> Result<Vec<(String, Vec<Effects>)>, Error> {
+    pub fn morris(&self, base: usize, bootstrap: &Bootstrap) -> Result<Vec<Sensitivity<AllEffects>>, Error> {
         let Design::Morris { .. } = self.study.design else { return Ok(Vec::new()) };
         let points = self.study.unit_points().expect("the design is a sampled one");
-        let survived = (SURVIVED.to_owned(), self.survival(base));
-        let metrics = self.whole_runs(base).map(|(metric, values)| (metric, ranks(&values)));
-        let of = |(metric, outputs): (String, Vec<f64>)| Ok((metric, morris(&points, &outputs, bootstrap)?));
-        std::iter::once(survived).chain(metrics).map(of).collect()
+        let of = |(metric, outputs): (String, Vec<f64>)| {
+            let effects = morris(&points, &outputs, bootstrap)?;
+            let mut known = outputs.iter().filter(|output| !output.is_nan());
+            let differs = known.next().is_some_and(|first| known.any(|output| output != first));
+            Ok(Sensitivity { metric, found: differs.then_some(effects) })
+        };
+        self.outputs(base).map(of).collect()
+    }
+
+    /// Survival, and the ranks of each metric.
+    fn outputs(&self, base: usize) -> impl Iterator<Item = (String, Vec<f64>)> + '_ {
+        let ranked = self.whole_runs(base).map(|(metric, values)| (metric, ranks(&values)));
+        std::iter::once((SURVIVED.to_owned(), self.survival(base))).chain(ranked)
+    }
+
+    /// The range of each metric in a scenario, without those that no run that stood has.
+    pub fn ranges(&self, base: usize) -> impl Iterator<Item = Range<'_>> {
+        self.columns.iter().enumerate().filter_map(move |(metric, column)| {
+            let [least, greatest] = self.quantiles(base, metric, [0.0, 1.0]);
+            Some(Range { column, least: least?, greatest: greatest? })
+        })
+    }
+
+    /// The range of the metric of that name.
+    pub fn range(&self, base: usize, metric: &str) -> Option<Range<'_>> {
+        self.ranges(base).find(|range| range.column.name == metric)
     }
 
     /// 1 for each rollout of a scenario that was on its feet to the end, 0 for falls, missing where it could not be run.
@@ -195,20 +237,11 @@ impl<'a> Results<'a> {
     }
 }
 
-/// The rank of each value, from 0 for the least to 1 for the largest; equal values share the mean of their ranks, and those
-/// that are none come last together. What is not a number has no rank and remains.
+/// The rank of each value, from 0 for the least to 1 for the largest, as [`ties::ranks`]; those that are none come last together.
 fn ranks(values: &[Option<f64>]) -> Vec<f64> {
-    let key = |index: usize| values[index].unwrap_or(f64::INFINITY);
-    let mut order: Vec<usize> = (0..values.len()).filter(|&index| !key(index).is_nan()).collect();
-    order.sort_by(|&a, &b| key(a).total_cmp(&key(b)));
-    let last = order.len().saturating_sub(1).max(1) as f64;
-    let mut ranks = vec![f64::NAN; values.len()];
-    for equal in order.chunk_by(|&a, &b| key(a) == key(b)) {
-        let first = order.partition_point(|&index| key(index) < key(equal[0]));
-        let mean = first as f64 + 0.5 * (equal.len() - 1) as f64;
-        equal.iter().for_each(|&index| ranks[index] = mean / last);
-    }
-    ranks
+    let ranks = ties::ranks(&values.iter().map(|value| value.unwrap_or(f64::INFINITY)).collect::<Vec<_>>());
+    let last = ranks.iter().filter(|rank| !rank.is_nan()).count().saturating_sub(1).max(1) as f64;
+    ranks.into_iter().map(|rank| (rank - 1.0) / last).collect()
 }
 
 /// Writes all rollouts of `study` as `rollouts.csv` and `rollouts.parquet` into `folder`: number, scenario, the level of
@@ -273,7 +306,7 @@ mod tests {
     fn ranks_are_shared_by_equals_and_falls_come_last() {
         assert_eq!(ranks(&[Some(3.0), None, Some(1.0), Some(2.0), None]), [0.5, 0.875, 0.0, 0.25, 0.875]);
         assert_eq!(ranks(&[Some(2.0), Some(2.0), Some(2.0)]), [0.5; 3]);
-        assert_eq!(ranks(&[Some(-1e300), Some(0.0), Some(1e-300)]), [0.0, 0.5, 1.0]);
+        assert_eq!(ranks(&[Some(-1e300), Some(0.0), Some(1e300)]), [0.0, 0.5, 1.0]);
         assert_eq!((ranks(&[]), ranks(&[None])), (vec![], vec![0.0]));
         let with_hole = ranks(&[Some(3.0), Some(f64::NAN), Some(1.0)]);
         assert!(with_hole[0] == 1.0 && with_hole[1].is_nan() && with_hole[2] == 0.0);

@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use crate::rollout::{self, Rollout};
-use crate::search::{Found, Search};
+use crate::search::{Attempt, Found, Search};
 use crate::{Base, Variant};
 use legwork::error::Error;
 use legwork::log::{Field, Log};
@@ -120,7 +120,8 @@ impl Robustness {
         };
         let found = self.plan.search.run(|impulse, _nudge| {
             let rollout = rollout::run(&self.struck(variant, impulse, direction_deg, start_s), &stop)?;
-            Some(if rollout.survived() { Ok(()) } else { Err(reason(rollout)) })
+            let failure = (!rollout.survived()).then(|| reason(&rollout));
+            Some(Attempt { failure, violations: rollout.violations })
         })?;
         Some(Cell { scenario: variant.scenario.name.clone(), phase, direction_deg, start_s, found })
     }
@@ -135,8 +136,8 @@ impl Robustness {
     }
 }
 
-fn reason(rollout: Rollout) -> String {
-    rollout.reason.unwrap_or_else(|| rollout.ending.name().to_owned())
+fn reason(rollout: &Rollout) -> String {
+    rollout.reason.clone().unwrap_or_else(|| rollout.ending.name().to_owned())
 }
 
 /// The first stride that begins at `from` [s] or later and ends in the log.

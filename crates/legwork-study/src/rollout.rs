@@ -10,6 +10,12 @@ use legwork::episode::{self, Outcome, Parts, Run};
 use legwork::error::Error;
 use legwork::metrics::{FIGURES, JOINT_METRICS, Metrics};
 
+/// What is said of rollouts with [`Rollout::violations`].
+pub const DOUBTFUL: &str = "broke bounds of the simulation";
+
+/// The same as the end of a warning.
+pub const DOUBT: &str = "broke bounds of the simulation; the column violations says which";
+
 /// How a rollout ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

@@ -37,6 +37,15 @@ pub struct Search {
     pub nudges: u32,
 }
 
+/// What came of a try.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Attempt {
+    /// Why the value did not hold; none where it did.
+    pub failure: Option<String>,
+    /// Bounds of the simulator's audit that its rollout broke, in words.
+    pub violations: Option<String>,
+}
+
 /// One value that was tried.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Trial {
@@ -46,6 +55,8 @@ pub struct Trial {
     pub failure: Option<String>,
     /// Whether it was tried under the nudges too.
     pub nudged: bool,
+    /// Bounds of the simulator's audit that a rollout of it broke, in words.
+    pub violations: Option<String>,
 }
 
 /// What a search found.
@@ -57,6 +68,9 @@ pub struct Found {
     pub first_failure: Option<f64>,
     /// Why that one failed.
     pub reason_beyond: Option<String>,
+    /// Bounds of the simulator's audit that were broken on the way from the start to the first failure, which all of the
+    /// answer rests on: those of the value nearest to the limit; none where all rollouts kept them.
+    pub violations: Option<String>,
     /// The furthest value that held at all, perhaps on an island beyond the first failure.
     pub furthest_held: Option<f64>,
     /// How many rollouts it took.
@@ -108,9 +122,9 @@ impl Search {
     /// Searches: a scan of the range; bisection between the first value that fails and the one before it; confirmation by
     /// the neighbours; a sweep of the way there. Where something fails, it goes on with bisection before that.
     ///
-    /// `attempt` tries a value, under no nudge (0) or one of them (1 and up), and says why it failed. It must give the same
-    /// again. None where an attempt gave none, as one that was stopped does.
-    pub fn run(&self, attempt: impl Fn(f64, u32) -> Option<Result<(), String>> + Sync) -> Option<Found> {
+    /// `attempt` tries a value, under no nudge (0) or one of them (1 and up). It must give the same again. None where an
+    /// attempt gave none, as one that was stopped does.
+    pub fn run(&self, attempt: impl Fn(f64, u32) -> Option<Attempt> + Sync) -> Option<Found> {
         let (mut tried, mut rollouts) = (Tried::new(), 0);
         let parts = u64::from(self.parts.max(1));
         let mut scan: Vec<u32> = (0..=parts).map(|part| (u64::from(self.last()) * part / parts) as u32).collect();
@@ -122,8 +136,9 @@ impl Search {
             let outcomes =
                 run_all(steps.len() * each, |job| attempt(self.value(steps[job / each]), (job % each) as u32))?;
             for (&step, outcomes) in steps.iter().zip(outcomes.chunks(each)) {
-                let failure = outcomes.iter().find_map(|outcome| outcome.as_ref().err().cloned());
-                tried.insert(step, Trial { value: self.value(step), failure, nudged });
+                let failure = outcomes.iter().find_map(|outcome| outcome.failure.clone());
+                let violations = outcomes.iter().find_map(|outcome| outcome.violations.clone());
+                tried.insert(step, Trial { value: self.value(step), failure, nudged, violations });
             }
             next = self.next(&tried);
         }
@@ -156,10 +171,12 @@ fn found(tried: Vec<Trial>, rollouts: usize) -> Found {
     let first = tried.iter().position(|trial| trial.failure.is_some());
     let value = first.unwrap_or(tried.len()).checked_sub(1).map(|last| tried[last].value);
     let beyond = first.map(|first| &tried[first]);
+    let rests_on = &tried[..first.map_or(tried.len(), |first| first + 1)];
     Found {
         value,
         first_failure: beyond.map(|trial| trial.value),
         reason_beyond: beyond.and_then(|trial| trial.failure.clone()),
+        violations: rests_on.iter().rev().find_map(|trial| trial.violations.clone()),
         furthest_held: tried.iter().rfind(|trial| trial.failure.is_none()).map(|trial| trial.value),
         rollouts,
         tried,

@@ -44,6 +44,8 @@ pub struct Use {
     pub ending: Ending,
     /// Why it fell.
     pub reason: Option<String>,
+    /// Bounds of the simulator's audit that the run broke, in words.
+    pub violations: Option<String>,
     /// Each actuated joint.
     pub joints: Vec<Demand>,
     /// Torque against speed, a cloud for each joint.
@@ -125,6 +127,7 @@ impl Use {
             scenario: run.scenario.name.clone(),
             ending: row.ending,
             reason: row.reason,
+            violations: row.violations,
             joints: joints.collect(),
             clouds: uses.map(|(index, used)| cloud(&points[index], used)).collect(),
             points,
@@ -224,6 +227,8 @@ pub struct Pair {
     pub cause: Option<String>,
     /// Why it fell.
     pub reason: Option<String>,
+    /// Bounds of the simulator's audit that the run broke, in words.
+    pub violations: Option<String>,
 }
 
 /// So many values from one to the other, without the last digits that computing leaves.
@@ -285,6 +290,7 @@ impl<'a> SpeedTorque<'a> {
             fell_at_s: rollout.fell_at_s,
             cause: rollout.cause,
             reason: rollout.reason,
+            violations: rollout.violations,
         })
     }
 }

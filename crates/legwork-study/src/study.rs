@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use toml::Value;
+
 use crate::design::{Design, Sampler, grid_count, grid_point, one_at_a_time};
-use crate::file::{Source, StudyFile};
+use crate::file::{Source, StudyFile, holds, leaves};
 use crate::rollout;
 use crate::rollout::Column;
 use crate::{Base, Change, Factor, Level, Rollout, Variant};
@@ -45,6 +47,9 @@ pub struct Point {
 
 /// More chunks than these would be no help to anybody.
 const MOST_ROLLOUTS: u64 = 1_000_000_000;
+
+/// The settings that name files.
+const FILES: [&str; 2] = ["model", "reference.com.file"];
 
 /// The figures of Appendices E and F: tracking, then operating cost.
 const METRICS: [&str; 12] = [
@@ -238,20 +243,34 @@ fn load_bases(
     folder: Option<&Path>,
     sets: &[String],
 ) -> Result<Vec<Base>, Error> {
-    let own: Vec<String> = file.set.iter().map(|(path, value)| format!("{path}={value}")).collect();
-    let given: Vec<String> = file.set.keys().cloned().collect();
-    let is_own = |path: &str| given.iter().any(|own| own == path);
+    // What the command line sets is no longer the file's.
+    let given = |path: &str| sets.iter().filter_map(|set| set.split_once('=')).any(|(set, _)| holds(set.trim(), path));
+    let mut own: Vec<(String, Value)> = leaves(&file.set).into_iter().filter(|(path, _)| !given(path)).collect();
+    // In a file a path is relative to the file, on the command line to the current folder.
+    for (path, value) in &mut own {
+        if let (true, Value::String(text), Some(folder)) = (FILES.contains(&path.as_str()), &mut *value, folder) {
+            let found = folder.join(text.as_str());
+            if library::model_text(text).is_none() && found.is_file() {
+                *text = std::path::absolute(&found).unwrap_or(found).display().to_string();
+            }
+        }
+    }
+    let is_of = |path: &str, place: &str| holds(&path.escape_debug().to_string(), place);
+    let of_own = |place: &str| own.iter().map(|(path, _)| path.as_str()).find(|path| is_of(path, place));
+    let several = file.scenarios.get_ref().len() > 1;
     let mut bases: Vec<Base> = Vec::new();
     for name in file.scenarios.get_mut() {
         let (start, text) = (name.span().start, name.get_ref().clone());
         let wrong = |problem: String| source.error(start, "scenarios", problem);
         let built_in = library::scenario_text(&text).is_some();
         let path: PathBuf = if built_in { text.clone().into() } else { folder.unwrap_or(Path::new("")).join(&text) };
-        let sets: Vec<String> = own.iter().chain(sets).cloned().collect();
+        let own = own.iter().map(|(path, value)| format!("{path}={value}"));
+        let sets: Vec<String> = own.chain(sets.iter().cloned()).collect();
         let base = Base::load(&path.to_string_lossy(), &sets).map_err(|error| match error {
-            Error::Invalid { place, problem } => match place.strip_prefix("--set ").filter(|path| is_own(path)) {
-                Some(path) => Error::invalid(format!("{}: set, {path}", source.file_name), problem),
-                None if place.starts_with("--set ") => Error::invalid(place, problem),
+            Error::Invalid { place, problem } => match place.strip_prefix("--set ").map(of_own) {
+                Some(Some(path)) if several => source.error_of_set(path, format!("in the scenario {text}: {problem}")),
+                Some(Some(path)) => source.error_of_set(path, problem),
+                Some(None) => Error::invalid(place, problem),
                 None => wrong(format!("{place}: {problem}")),
             },
             other => other,
@@ -275,9 +294,10 @@ fn load_bases(
     if bases.is_empty() {
         return Err(source.error(file.scenarios.span().start, "scenarios", "found none; a study needs at least one"));
     }
+    file.set = own.into_iter().collect();
     for assignment in sets {
         if let Some((path, value)) = assignment.split_once('=') {
-            let value = value.trim().parse().unwrap_or_else(|_| toml::Value::String(value.trim().to_owned()));
+            let value = value.trim().parse().unwrap_or_else(|_| Value::String(value.trim().to_owned()));
             file.set.insert(path.trim().to_owned(), value);
         }
     }

@@ -13,6 +13,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
+use crate::files::Unfinished;
 use legwork::error::Error;
 
 /// What a cell holds; nothing is an empty cell, or a null in Parquet.
@@ -90,6 +91,7 @@ pub struct TableWriter {
     parquet: SerializedFileWriter<BufWriter<File>>,
     rows: Vec<Vec<Cell>>,
     paths: [PathBuf; 2],
+    files: [Unfinished; 2],
 }
 
 impl TableWriter {
@@ -99,16 +101,18 @@ impl TableWriter {
     /// The files cannot be written.
     pub fn create(folder: &Path, name: &str, columns: Vec<Column>, metadata: &[(&str, String)]) -> Result<Self, Error> {
         let paths = ["csv", "parquet"].map(|ending| folder.join(format!("{name}.{ending}")));
-        let open =
-            |path: &Path| File::create(partial(path)).map(BufWriter::new).map_err(|error| Error::io(path, &error));
-        let mut csv = csv::Writer::from_writer(open(&paths[0])?);
+        let files = [Unfinished::new(&paths[0])?, Unfinished::new(&paths[1])?];
+        let open = |file: &Unfinished| {
+            File::create(file.written()).map(BufWriter::new).map_err(|error| Error::io(file.written(), &error))
+        };
+        let mut csv = csv::Writer::from_writer(open(&files[0])?);
         let head = columns.iter().map(|column| match column.unit.as_str() {
             "" => column.name.clone(),
             unit => format!("{} [{unit}]", column.name),
         });
         csv.write_record(head).map_err(|error| failed(&paths[0], error))?;
-        let parquet = parquet_writer(open(&paths[1])?, &columns, metadata).map_err(|error| failed(&paths[1], error))?;
-        Ok(Self { columns, csv, parquet, rows: Vec::with_capacity(ROWS_IN_MEMORY), paths })
+        let parquet = parquet_writer(open(&files[1])?, &columns, metadata).map_err(|error| failed(&paths[1], error))?;
+        Ok(Self { columns, csv, parquet, rows: Vec::with_capacity(ROWS_IN_MEMORY), paths, files })
     }
 
     /// Writes a row, which has a cell for each column.
@@ -150,16 +154,8 @@ impl TableWriter {
         let mut file = self.parquet.into_inner().map_err(|error| failed(path, error))?;
         file.flush().map_err(|error| Error::io(path, &error))?;
         // What was there before is replaced only now, by what is whole.
-        self.paths
-            .iter()
-            .try_for_each(|path| std::fs::rename(partial(path), path).map_err(|error| Error::io(path, &error)))
+        self.files.into_iter().try_for_each(Unfinished::finish)
     }
-}
-
-/// The name of a file that is being written.
-fn partial(path: &Path) -> PathBuf {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    path.with_file_name(format!(".{name}.partial"))
 }
 
 fn failed(path: &Path, error: impl ToString) -> Error {

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use legwork_study::limits::{self, Held, Question};
 use legwork_study::robustness::{Plan, Robustness, stride};
-use legwork_study::search::{Found, Search};
+use legwork_study::search::{Attempt, Found, Search};
 use legwork_study::sizing::{Coping, Sizing, SpeedTorque, Use};
 use legwork_study::{Base, Change, rollout};
 use toml::Value;
@@ -18,7 +18,8 @@ fn search(search: Search, holds: impl Fn(f64, u32) -> bool + Sync) -> Found {
     let calls = AtomicUsize::new(0);
     let attempt = |value: f64, nudge: u32| {
         calls.fetch_add(1, Ordering::Relaxed);
-        Some(if holds(value, nudge) { Ok(()) } else { Err(format!("{value} under {nudge}")) })
+        let failure = (!holds(value, nudge)).then(|| format!("{value} under {nudge}"));
+        Some(Attempt { failure, violations: None })
     };
     let found = search.run(attempt).expect("nothing stops it");
     assert_eq!(found.rollouts, calls.into_inner());
@@ -44,6 +45,23 @@ fn an_edge_is_found_to_the_resolution_from_either_side() {
         let (value, fails) = (down.value.unwrap(), down.first_failure.unwrap());
         assert!(value > 3.0 - edge && fails <= 3.0 - edge && (value - fails - 0.005).abs() < 1e-9, "{value}, {fails}");
     }
+}
+
+#[test]
+fn a_limit_rests_on_what_was_tried_up_to_its_first_failure() {
+    let broken_from = |from: f64| {
+        let attempt = |value: f64, _| {
+            let failure = (value >= 0.5).then(|| "fell".to_owned());
+            Some(Attempt { failure, violations: (value >= from).then(|| format!("at {value}")) })
+        };
+        Search::new(0.0, 1.0, 2).run(attempt).expect("nothing stops it")
+    };
+    // Further falls may break what they like; what fails first may not, nor what held.
+    assert_eq!(broken_from(0.505).violations, None);
+    assert_eq!(broken_from(0.5).violations.as_deref(), Some("at 0.5"));
+    let found = broken_from(0.2);
+    assert_eq!((found.value, found.violations.as_deref()), (Some(0.495), Some("at 0.5")));
+    assert!(found.tried.iter().all(|trial| trial.violations.is_some() == (trial.value >= 0.2)));
 }
 
 #[test]
@@ -93,7 +111,8 @@ fn a_search_is_the_same_on_any_number_of_threads_and_can_be_stopped() {
     assert!(one.value.is_some() && one.first_failure.is_some());
     assert_eq!(one, two);
     let calls = AtomicUsize::new(0);
-    let stopped = Search::new(0.0, 1.0, 2).run(|_, _| (calls.fetch_add(1, Ordering::Relaxed) < 30).then_some(Ok(())));
+    let stopped =
+        Search::new(0.0, 1.0, 2).run(|_, _| (calls.fetch_add(1, Ordering::Relaxed) < 30).then_some(Attempt::default()));
     assert_eq!(stopped, None);
 }
 

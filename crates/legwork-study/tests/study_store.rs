@@ -263,18 +263,18 @@ fn what_a_crashed_run_left_half_written_is_ignored_and_removed() {
     let expected = whole(&temp.path("whole"));
     let folder = temp.path("a");
     fs::create_dir_all(&folder).unwrap();
-    fs::write(folder.join("study.toml.tmp"), "# half").unwrap();
+    fs::write(folder.join(".study.unfinished.toml"), "# half").unwrap();
     fs::write(folder.join(".lock"), "").unwrap();
     run(&folder, None, 1, 100);
     for number in [0, 1, 126] {
-        fs::write(folder.join(format!("chunks/{number:06}.jsonl.tmp")), "{\"form").unwrap();
+        fs::write(folder.join(format!("chunks/.{number:06}.unfinished.jsonl")), "{\"form").unwrap();
     }
     // The second shard clears its own away, not what another shard may be writing.
     drop(open(&folder, Some("2/2")).unwrap());
-    let unfinished = |number: u64| folder.join(format!("chunks/{number:06}.jsonl.tmp")).exists();
+    let unfinished = |number: u64| folder.join(format!("chunks/.{number:06}.unfinished.jsonl")).exists();
     assert!(unfinished(0) && !unfinished(1) && unfinished(126));
     assert!(whole(&folder) == expected);
-    assert!(!folder.join("study.toml.tmp").exists());
+    assert!(!folder.join(".study.unfinished.toml").exists());
 }
 
 #[test]
@@ -418,24 +418,28 @@ fn more_records_than_the_disk_holds_are_refused_at_once() {
     let temp = Folder::new("space");
     let many = Store::open(&temp.path("a"), STUDY, IDENTITY, u64::MAX / 2, None).unwrap();
     let name = temp.path("a").display().to_string();
-    assert!(says(many.check_space(500), &[&name, "the disk has", "free", "TB"]).is_io());
+    assert!(says(many.check_space(500, 0), &[&name, "the disk has", "free", "TB"]).is_io());
     // One chunk of 64 records takes a whole number of blocks.
     let free = fs4::available_space(&temp.0).unwrap();
     let total = 64 * (free / 2 / 4096);
     let half = Store::open(&temp.path("b"), STUDY, IDENTITY, total, None).unwrap();
-    half.check_space(60).unwrap();
-    says(half.check_space(6000), &["need about"]);
+    half.check_space(60, 0).unwrap();
+    says(half.check_space(6000, 0), &["needs about"]);
     let shard = Shard::parse("2/1000").unwrap();
     drop(half);
     let part = Store::open(&temp.path("b"), STUDY, IDENTITY, total, Some(shard)).unwrap();
-    part.check_space(6000).unwrap();
+    part.check_space(6000, 0).unwrap();
 
-    // What is done needs no more room.
+    // What is done needs no more room, however little it took.
     let folder = temp.path("c");
-    let per_record = fs4::available_space(&temp.0).unwrap() / 1012 * 2;
     run(&folder, None, 2, u64::MAX);
-    says(open(&folder, None).unwrap().check_space(per_record), &["need about"]);
-    open(&folder, None).unwrap().check_space(1).unwrap();
+    let free = fs4::available_space(&temp.0).unwrap();
+    open(&folder, None).unwrap().check_space(free, 0).unwrap();
+    says(open(&folder, None).unwrap().check_space(0, 2 * free), &["what is still to be written needs about"]);
+    // 8 records are missing.
+    fs::remove_file(chunk(&folder, 5)).unwrap();
+    open(&folder, None).unwrap().check_space(free / 20, 0).unwrap();
+    says(open(&folder, None).unwrap().check_space(free / 4, 0), &["needs about"]);
 }
 
 #[test]
@@ -511,7 +515,7 @@ fn a_store_that_is_read_is_not_written() {
 fn a_study_of_nothing_is_complete() {
     let temp = Folder::new("nothing");
     let store = Store::open(&temp.path("a"), STUDY, IDENTITY, 0, None).unwrap();
-    store.check_space(1000).unwrap();
+    store.check_space(1000, 0).unwrap();
     assert!(store.is_complete().unwrap() && store.records::<Record>().next().is_none());
     assert_eq!(store.text(), STUDY);
 }

@@ -48,7 +48,7 @@ fn parse(text: &str) -> Tuning {
 }
 
 fn run(tuning: &Tuning, threads: usize) -> Tuned {
-    let tuned = with_threads(Some(threads), || tuning.run(|_| (), || false)).expect("there are threads");
+    let tuned = with_threads(Some(threads), || tuning.run(None, |_| (), || false)).expect("there are threads");
     tuned.expect("the base has all figures").expect("nothing stops it")
 }
 
@@ -182,7 +182,9 @@ fn what_is_stopped_is_the_best_so_far() {
     let stop_at = |most: u64| {
         done.store(0, Relaxed);
         let told = |count| done.store(count, Relaxed);
-        with_threads(Some(1), || tuning.run(told, || done.load(Relaxed) >= most)).expect("a thread").expect("figures")
+        with_threads(Some(1), || tuning.run(None, told, || done.load(Relaxed) >= most))
+            .expect("a thread")
+            .expect("figures")
     };
     assert!(stop_at(1).is_none(), "not even the base is whole");
     let tuned = stop_at(2 + 2 * 8 + 1).expect("the base was run");
@@ -276,7 +278,7 @@ fn factors_and_aims_that_are_none() {
     refuses("at_most_times_base = 1.0", two, "t.toml:34: constraints.0: needs one of at_most", &[]);
     refuses("at_most_times_base = 1.0", "at_most = -2", "t.toml:34: constraints.0: at_most: found -2", &[]);
     let lacking = parse(&SMALL.replace("\"com_error_m.mean\"", "\"recovery_distance_m\""));
-    let error = lacking.run(|_| (), || false).expect_err("the walk has none").to_string();
+    let error = lacking.run(None, |_| (), || false).expect_err("the walk has none").to_string();
     assert!(error.starts_with("t.toml:31: objective.0: the case \"walk\" has no recovery_distance_m"), "{error}");
 }
 
@@ -290,7 +292,7 @@ fn names_and_files() {
         assert_eq!(tuning.name, name);
         assert!(tuning.description.ends_with('.'));
         // What it writes about itself is the same tuning.
-        let again = Tuning::parse(tuning.to_toml(), "again.toml", None).unwrap_or_else(|error| panic!("{error}"));
+        let again = Tuning::parse(&tuning.to_toml(), "again.toml", None).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!((again.to_toml(), &again.factors, &again.own), (tuning.to_toml(), &tuning.factors, &tuning.own));
     }
 }

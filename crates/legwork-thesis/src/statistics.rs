@@ -1,6 +1,8 @@
 //! What a curve does: rank correlation, straightness, spread. Spearman 1904; least squares
 
-/// Spearman's rank correlation of two lists of one length, ties by their mean rank; none for fewer than three pairs or
+use legwork_study::ties::ranks;
+
+/// Spearman's rank correlation of two lists of one length, ties (also those but for rounding) by their mean rank; none for fewer than three pairs or
 /// where one of them is constant.
 pub(crate) fn spearman(x: &[f64], y: &[f64]) -> Option<f64> {
     if x.len() < 3 {
@@ -41,15 +43,6 @@ fn pearson(x: &[f64], y: &[f64]) -> Option<f64> {
     }
     let product = xx * yy;
     (product > 0.0).then(|| xy / product.sqrt())
-}
-
-fn ranks(values: &[f64]) -> Vec<f64> {
-    let rank = |value: f64| {
-        let below = values.iter().filter(|&&other| other < value).count();
-        let same = values.iter().filter(|&&other| other == value).count();
-        below as f64 + 0.5 * (same as f64 + 1.0)
-    };
-    values.iter().map(|&value| rank(value)).collect()
 }
 
 #[cfg(test)]

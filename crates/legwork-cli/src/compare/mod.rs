@@ -17,7 +17,7 @@ use legwork_study::sizing::{Pair, Sizing, Use};
 use crate::args::CompareArgs;
 use crate::limits::{load, speed_torque};
 use crate::long_work::{Jobs, conclude, interrupted, listen_for_interrupt};
-use crate::output::{Failure, Output, check_writable, say, write_text};
+use crate::output::{Failure, Output, check_writable, say, warn, write_text};
 
 /// Rollouts that a search for the largest impulse takes, about: what the progress counts by.
 const ROLLOUTS: u64 = 15;
@@ -36,6 +36,9 @@ pub(crate) fn compare(options: &CompareArgs, output: &mut Output) -> Result<Exit
     }
     listen_for_interrupt();
     let report = with_threads(options.threads.map(usize::from), || report(options, &walkers))??;
+    if let Some(doubts) = report.doubts() {
+        warn(&doubts);
+    }
     let words = (!options.json).then_some(text::text as fn(&Report) -> String);
     conclude(output, &report, words, report.interrupted, || {
         let Some(path) = &options.report else { return Ok(()) };
@@ -116,5 +119,6 @@ fn strike(cell: Cell, mass_kg: f64) -> Strike {
         direction_deg: cell.direction_deg,
         impulse_ns: cell.found.value.map(|value| value * mass_kg),
         reason_beyond: cell.found.reason_beyond,
+        violations: cell.found.violations,
     }
 }

@@ -1,8 +1,8 @@
 //! The tables of `compare` for people.
 
-use legwork_report::comparison::{NONE, Report, Robot, impulse, phase_label, phases, rows, speeds};
+use legwork_report::comparison::{Report, Robot, impulse, phase_label, phases, rows, speeds};
 
-use crate::limits::text::{map, sizing};
+use crate::limits::text::{doubt, map, sizing, starred};
 use crate::output::folded;
 
 /// All of it.
@@ -36,6 +36,8 @@ fn gaits(report: &Report) -> String {
                 let line = format!("    {} does not walk at {speed} m/s: {reason}", robot.scenario);
                 text += &format!("\n{}", folded(&line, 6));
             }
+            let violations = gait.and_then(|gait| gait.violations.as_ref());
+            text += &doubt(&format!("    {} ", robot.scenario), violations);
         }
     }
     let person = &report.person;
@@ -51,9 +53,8 @@ fn pushes(robots: &[Robot]) -> Option<String> {
     for phase in phases(robots) {
         text += &format!("\n  {:<14}", phase_label(phase));
         for (robot, direction) in robots.iter().flat_map(|robot| [(robot, 0.0), (robot, 180.0)]) {
-            let shown = impulse(robot, phase, direction).map_or(NONE.to_owned(), |impulse| format!("{impulse:.0}"));
-            text += &format!("{shown:>12}");
+            text += &format!("{:>12}", impulse(robot, phase, direction));
         }
     }
-    Some(text)
+    Some(starred(text))
 }

@@ -30,37 +30,47 @@ pub(crate) fn write(report: &Report, folder: &Path) -> Result<(), Failure> {
     write_page(&envelope::page(report), folder)?;
     let write = |name: &str, text: String| write_text(&folder.join(name), &text);
     if let Some(answers) = &report.limits {
-        let head = "scenario,question,unit,value,first_failure,furthest_held,rollouts,reason_beyond";
+        let head = "scenario,question,unit,value,first_failure,furthest_held,rollouts,reason_beyond,violations";
         let rows = answers.iter().map(|answer| {
             let found = &answer.found;
-            let values = (found.value, found.first_failure, found.furthest_held, found.rollouts, &found.reason_beyond);
-            (&answer.scenario, &answer.question, answer.unit, values)
+            let values = (found.value, found.first_failure, found.furthest_held, found.rollouts);
+            (&answer.scenario, &answer.question, answer.unit, values, &found.reason_beyond, &found.violations)
         });
         write(LIMITS, csv(head, rows)?)?;
     }
     if let Some(map) = &report.robustness {
-        let head = "scenario,phase,direction_deg,start_s,value_nspkg,first_failure_nspkg,furthest_held_nspkg,rollouts,reason_beyond";
+        let head = "scenario,phase,direction_deg,start_s,value_nspkg,first_failure_nspkg,furthest_held_nspkg,rollouts,reason_beyond,violations";
         let rows = map.cells.iter().map(|cell| {
             let found = &cell.found;
-            let values = (found.value, found.first_failure, found.furthest_held, found.rollouts, &found.reason_beyond);
-            (&cell.scenario, cell.phase, cell.direction_deg, cell.start_s, values)
+            let values = (found.value, found.first_failure, found.furthest_held, found.rollouts);
+            (
+                &cell.scenario,
+                cell.phase,
+                cell.direction_deg,
+                cell.start_s,
+                values,
+                &found.reason_beyond,
+                &found.violations,
+            )
         });
         write(ROBUSTNESS, csv(head, rows)?)?;
     }
     if let Some(sizing) = &report.sizing {
-        let head = "scenario,joint,torque_peak_nm,torque_rms_nm,speed_peak_radps,power_peak_w,power_mean_w,at_limit";
-        let of =
-            |name: &str, demands: &[Demand]| demands.iter().map(|d| (name.to_owned(), d.clone())).collect::<Vec<_>>();
-        let rows = sizing.uses.iter().flat_map(|used| of(&used.scenario, &used.joints));
-        write(
-            SIZING,
-            csv(head, rows.chain(of("envelope", &sizing.envelope)).chain(of("required", &sizing.required)))?,
-        )?;
+        let head = "scenario,joint,torque_peak_nm,torque_rms_nm,speed_peak_radps,power_peak_w,power_mean_w,at_limit,violations";
+        let of = |name: &str, demands: &[Demand], violations: Option<&String>| {
+            let rows = demands.iter().map(|demand| (name.to_owned(), demand.clone(), violations.cloned()));
+            rows.collect::<Vec<_>>()
+        };
+        let rows = sizing.uses.iter().flat_map(|used| of(&used.scenario, &used.joints, used.violations.as_ref()));
+        let any = sizing.uses.iter().find_map(|used| used.violations.as_ref());
+        let all = [("envelope", &sizing.envelope), ("required", &sizing.required)];
+        let all = all.into_iter().flat_map(|(name, demands)| of(name, demands, any));
+        write(SIZING, csv(head, rows.chain(all))?)?;
         let head = "scenario,joint,speed_from_radps,speed_to_radps,torque_from_nm,torque_to_nm,ticks";
         write(TORQUE_SPEED, csv(head, sizing.uses.iter().flat_map(bins))?)?;
     }
     if let Some(pairs) = &report.map {
-        let head = "speed_mps,torque_limit_nm,coping,mean_speed_mps,com_error_m,fell_at_s,cause,reason";
+        let head = "speed_mps,torque_limit_nm,coping,mean_speed_mps,com_error_m,fell_at_s,cause,reason,violations";
         write(MAP, csv(head, pairs)?)?;
     }
     Ok(())

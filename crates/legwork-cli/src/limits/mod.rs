@@ -15,7 +15,7 @@ use legwork_study::{Base, rollout};
 
 use crate::args::{LimitsArgs, Part};
 use crate::long_work::{Jobs, conclude, interrupted, listen_for_interrupt};
-use crate::output::{Failure, Output, say};
+use crate::output::{Failure, Output, say, warn};
 
 /// Rollouts that an answer and a cell of the robustness map take, about: what the progress counts by.
 const ROLLOUTS: (u64, u64) = (55, 15);
@@ -27,6 +27,9 @@ pub(crate) fn limits(options: &LimitsArgs, output: &mut Output) -> Result<ExitCo
     }
     listen_for_interrupt();
     let report = with_threads(options.threads.map(usize::from), || study.report())??;
+    if let Some(doubts) = report.doubts() {
+        warn(&doubts);
+    }
     let words = (!options.json).then_some(text::text as fn(&Report) -> String);
     conclude(output, &report, words, report.interrupted, || {
         let Some(folder) = &options.out else { return Ok(()) };

@@ -1,6 +1,7 @@
 //! The tables of `limits` for people.
 
 use legwork_study::limits::Answer;
+use legwork_study::rollout::DOUBTFUL;
 use legwork_study::search::Found;
 use legwork_study::sizing::{Coping, Demand, Pair, Sizing};
 
@@ -38,8 +39,25 @@ fn limits(answers: &[Answer]) -> String {
         if let Some(reason) = &found.reason_beyond {
             text += &format!("\n{}", folded(&format!("      beyond: {reason}"), 8));
         }
+        text += &doubt("      rests on rollouts that ", found.violations.as_ref());
     }
     text
+}
+
+/// That something broke bounds of the simulation, and which, on a line of its own.
+pub(crate) fn doubt(what: &str, violations: Option<&String>) -> String {
+    let line = |violations| format!("\n{}", folded(&format!("{what}{DOUBTFUL}: {violations}"), 8));
+    violations.map_or(String::new(), line)
+}
+
+/// A table with what its stars mean, where it has any.
+pub(crate) fn starred(table: String) -> String {
+    if table.contains('*') { table + &format!("\n  * rests on rollouts that {DOUBTFUL}") } else { table }
+}
+
+/// The star of what broke bounds of the simulation.
+fn star(violations: Option<&String>) -> &'static str {
+    if violations.is_some() { "*" } else { "" }
 }
 
 /// The limit in words: at least (or at most) the range's end where all held, none where the start failed.
@@ -69,11 +87,12 @@ fn robustness(map: &RobustnessMap) -> String {
         let mut line = format!("\n  {:>8}°", shorter(direction));
         for phase in &columns {
             let cell = map.cells.iter().find(|cell| cell.phase == *phase && cell.direction_deg == direction);
-            line += &format!("{:>11}", cell.map_or(String::new(), |cell| limit(&cell.found)));
+            let shown = |found: &Found| limit(found) + star(found.violations.as_ref());
+            line += &format!("{:>11}", cell.map_or(String::new(), |cell| shown(&cell.found)));
         }
         text += line.trim_end();
     }
-    text
+    starred(text)
 }
 
 /// Of the columns of the table of actuators.
@@ -108,6 +127,7 @@ pub(crate) fn sizing(title: &str, sizing: &Sizing) -> String {
         if let Some(reason) = &used.reason {
             text += &format!("\n{}", folded(&format!("    {reason}"), 6));
         }
+        text += &doubt("    ", used.violations.as_ref());
     }
     text += &rows("largest", &sizing.envelope);
     text + &rows(&format!("with a margin of {:.0} %", 100.0 * sizing.margin), &sizing.required)
@@ -127,11 +147,12 @@ pub(crate) fn map(walk: &str, pairs: &[Pair]) -> String {
         let mut line = format!("\n  {:>8}", shorter(torque));
         for speed in &speeds {
             let pair = pairs.iter().find(|pair| pair.torque_limit_nm == torque && pair.speed_mps == *speed);
-            line += &format!("{:>5}", pair.map_or("", |pair| symbol(pair.coping)));
+            let shown = |pair: &Pair| symbol(pair.coping).to_owned() + star(pair.violations.as_ref());
+            line += &format!("{:>5}", pair.map_or(String::new(), shown));
         }
         text += line.trim_end();
     }
-    text + "\n  # keeps to its reference, + keeps its speed, - another speed, . falls"
+    starred(text) + "\n  # keeps to its reference, + keeps its speed, - another speed, . falls"
 }
 
 fn symbol(coping: Coping) -> &'static str {

@@ -39,7 +39,7 @@ fn the_same_answers_on_any_number_of_threads_with_every_key() {
         (&false.into(), &Value::Null, &Value::Null)
     );
     let answers = report["limits"].as_array().expect("a list");
-    let found = ["value", "first_failure", "reason_beyond", "furthest_held", "rollouts", "tried"];
+    let found = ["value", "first_failure", "reason_beyond", "violations", "furthest_held", "rollouts", "tried"];
     assert_eq!(keys(&answers[0]), [&["scenario", "question", "unit"], &found[..]].concat());
     let of = |name: &str| answers.iter().filter(|answer| answer["scenario"] == name).count();
     assert_eq!((of("walk"), of("push")), (7, 5));
@@ -86,6 +86,34 @@ fn tables_for_people_fit_and_the_files_hold_the_same() {
         .map(|row| row[6].1.parse::<u32>().expect("a count"))
         .sum();
     assert_eq!(ticks, 900);
+}
+
+#[test]
+fn what_rests_on_broken_bounds_of_the_simulation_is_marked_everywhere() {
+    let folder = Folder::new("limits-doubtful");
+    let soft = ["limits", "--quick", "--walk", "walk-spring-damper", "--set", "duration_s=1.5", "--only", "sizing,map"];
+    let done = folder.legwork(&[&soft[..], &["--out", "out"]].concat()).succeeds();
+    let map = rows(&folder.text("out/speed_torque_map.csv"));
+    let broken: Vec<bool> = map.iter().map(|row| row[8] != ("violations".to_owned(), String::new())).collect();
+    let count = broken.iter().filter(|is_broken| **is_broken).count();
+    assert!((1..=25).contains(&count), "{map:?}");
+    let said = format!(
+        "warning: 1 of 2 runs, {count} of 25 pairs rest on rollouts that broke bounds of the simulation; \
+         the column violations says which\nreport: out/report.html\n"
+    );
+    assert_eq!(done.err, said);
+    assert_eq!(done.out.matches('*').count(), count + 1, "with what the stars mean: {}", done.out);
+    assert!(done.out.contains("\n    broke bounds of the simulation: "), "{}", done.out);
+    let sizing = rows(&folder.text("out/sizing.csv"));
+    let marked = |name: &str| sizing.iter().filter(|row| row[0].1 == name).all(|row| !row[8].1.is_empty());
+    assert!(marked("walk-spring-damper") && !marked("push") && marked("envelope") && marked("required"));
+    // A ring each, and one in the legend.
+    let figure = folder.text("out/figures/speed-torque-map.svg");
+    assert_eq!(figure.matches("<path class=\"doubtful\"").count(), count + 1);
+    assert!(folder.text("out/report.html").contains("The run broke bounds of the simulation: "));
+    let kept = folder.legwork(&["limits", "--quick", "--set", "duration_s=1", "--only", "sizing"]).succeeds();
+    assert_eq!(kept.err, "");
+    assert!(!kept.out.contains("broke bounds"));
 }
 
 #[test]

@@ -95,6 +95,157 @@ fn a_damaged_chunk_is_made_again() {
 }
 
 #[test]
+fn figures_that_differ_by_rounding_had_indices() {
+    let folder = Folder::new("rounding");
+    let weights = ["joint_acceleration", "grf", "momentum", "feet", "torso", "braking", "foot_rotation"];
+    let paths = weights.map(|weight| format!("\"controller.weights.{weight}\"")).join(", ");
+    folder.file(
+        "noise.toml",
+        format!(
+            "scenarios = [\"walk\"]\ndesign = \"saltelli\"\nsamples = 4\n\
+             metrics = [\"torque_nm.mean\", \"u2_n2m2.mean\"]\n[set]\nduration_s = 0.7\n\
+             [[factors]]\nname = \"all weights\"\npaths = [{paths}]\nrelative = true\nlinear = {{ from = 0.9, to = 1.1 }}\n\
+             [[factors]]\npath = \"controller.planner.com_gain\"\nrelative = true\nlinear = {{ from = 0.9, to = 1.1 }}\n"
+        ),
+    );
+    let noise = folder.text("noise.toml");
+    let gain = noise.find("[[factors]]\npath").unwrap();
+    let twice = format!("{}[[factors]]\npath = \"seed\"\nlist = [0, 1]\n", &noise[..gain]);
+    folder.file("nothing.toml", twice);
+    let done = folder.legwork(&["study", "nothing.toml"]).succeeds();
+    for words in ["survived: the same in all rollouts\n", "torque_nm.mean: the same in all rollouts, ", " Nm\n"] {
+        assert!(done.out.contains(words), "{words:?} is not in {}", done.out);
+    }
+    let result: Value = serde_json::from_str(&folder.text("legwork-nothing/results.json")).unwrap();
+    for metric in &result["scenarios"][0]["metrics"].as_array().unwrap()[1..] {
+        let [least, greatest] = ["least", "greatest"].map(|key| metric[key].as_f64().unwrap());
+        assert!(least < greatest && greatest / least - 1.0 < 1e-10, "there is noise, and little: {metric}");
+        assert_eq!(metric["sobol"]["shares"], Value::Null);
+    }
+    assert_eq!(result["scenarios"][0]["metrics"][1]["unit"], "Nm");
+    assert!(folder.text("legwork-nothing/report.html").contains("The same in all rollouts: survived, torque_nm.mean"));
+    // Beside a factor that matters, one that does not has nothing.
+    let [result] = &folder.json(&["study", "noise.toml", "--json"])[..] else { panic!("one object") };
+    let total = &result["scenarios"][0]["metrics"][1]["sobol"]["shares"]["total"];
+    let [weights, gain] = [0, 1].map(|factor| total[factor]["value"].as_f64().unwrap());
+    assert!(weights == 0.0 && gain > 0.1, "{total}");
+}
+
+#[test]
+fn what_a_study_sets_was_blamed_on_the_command_line() {
+    let folder = Folder::new("study-set");
+    let study = |scenarios: &str, set: &str| {
+        format!(
+            "scenarios = [{scenarios}]\ndesign = \"grid\"\n[set]\nduration_s = 1.1\n{set}\n[[factors]]\npath = \"seed\"\nlist = [0]\n"
+        )
+    };
+    folder.file("friction.toml", study("\"walk\"", "ground.friction = 600"));
+    folder.refuses(
+        2,
+        &["study", "friction.toml"],
+        &["friction.toml:5: set.ground.friction: found 600; valid is a number from"],
+    );
+    folder.file("two.toml", study("\"push\", \"walk\"", "pushes.0.force_n = 600"));
+    folder.refuses(
+        2,
+        &["study", "two.toml"],
+        &["two.toml:5: set.pushes.0.force_n: in the scenario walk: pushes is empty"],
+    );
+    folder.refuses(
+        2,
+        &["study", "friction.toml", "--set", "ground.friction=700"],
+        &["--set ground.friction: found 700"],
+    );
+    folder.file("pushes.toml", study("\"push\"", "pushes.0.force_n = 600"));
+    folder.legwork(&["study", "pushes.toml"]).succeeds();
+    let run = folder.json(&["run", "push", "--duration", "1.1", "--set", "pushes.0.force_n=600", "--json"]);
+    let table = folder.text("legwork-pushes/rollouts.csv");
+    assert!(table.contains(run[0]["result_hash"].as_str().unwrap()), "{table}");
+    folder.legwork(&["study", "pushes.toml", "--set", "pushes.0.force_n=500", "--out", "less"]).succeeds();
+    folder.legwork(&["study", "less/study.toml", "--out", "again"]).succeeds();
+    assert_eq!(folder.text("less/rollouts.csv"), folder.text("again/rollouts.csv"));
+    assert_ne!(folder.text("less/rollouts.csv"), table);
+}
+
+#[test]
+fn a_merge_called_a_damaged_chunk_missing() {
+    let folder = small("merge-damaged");
+    for (shard, out) in [("1/2", "one"), ("2/2", "two")] {
+        folder.legwork(&["study", "small.toml", "--shard", shard, "--out", out]).succeeds();
+    }
+    let name = "two/chunks/000003.jsonl";
+    let sound = folder.text(name);
+    folder.file(name, &sound[..sound.len() - 9]);
+    let words = [
+        "all: 1 of 8 chunks are damaged: two/chunks/000003.jsonl is damaged or cut short: its content does not match its checksum; \
+         run their shards again, which makes them anew",
+    ];
+    folder.refuses(2, &["study", "merge", "one", "two", "--into", "all"], &words);
+    folder.legwork(&["study", "small.toml", "--shard", "2/2", "--out", "two"]).succeeds();
+    assert_eq!(folder.text(name), sound);
+    fs::create_dir_all(folder.0.join("copy")).unwrap();
+    for file in ["study.toml", "chunks/000003.jsonl"] {
+        folder.file(&format!("copy/{file}"), folder.text(&format!("two/{file}")));
+    }
+    folder.file(name, "");
+    let done = folder.legwork(&["study", "merge", "one", "two", "copy", "--into", "all"]).succeeds();
+    assert!(done.err.starts_with(
+        "warning: two/chunks/000003.jsonl: is cut short in its first line; another folder has it whole\n"
+    ));
+}
+
+/// Twice killed without a word, a study leaves nothing behind that the next run does not clear.
+#[cfg(unix)]
+#[test]
+fn a_killed_study_goes_on_and_its_litter_is_cleared() {
+    let folder = Folder::new("study-killed");
+    folder.file(
+        "long.toml",
+        "scenarios = [\"stand\"]\ndesign = \"latin-hypercube\"\nsamples = 160\n[set]\nduration_s = 2\n\
+         [[factors]]\npath = \"ground.friction\"\nlinear = { from = 0.5, to = 1.0 }\n",
+    );
+    let chunks = folder.0.join("legwork-long/chunks");
+    let written = || fs::read_dir(&chunks).map_or(0, |entries| entries.filter(|e| whole(e.as_ref().unwrap())).count());
+    for least in [3, 9] {
+        let mut child =
+            folder.command(&["study", "long.toml"]).stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap();
+        let begin = Instant::now();
+        while written() < least {
+            assert!(begin.elapsed() < Duration::from_secs(120), "no chunk was written");
+            sleep(Duration::from_millis(5));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    // What a kill in the middle of writing leaves
+    for name in
+        ["chunks/.000070.unfinished.jsonl", ".rollouts.unfinished.csv", ".results.unfinished.json", ".lock-1-of-3"]
+    {
+        folder.file(&format!("legwork-long/{name}"), "half");
+    }
+    let done = folder.legwork(&["study", "long.toml"]).succeeds();
+    assert!(done.err.starts_with("long: goes on; "), "{}", done.err);
+    let mut found: Vec<_> =
+        fs::read_dir(folder.0.join("legwork-long")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    found.sort();
+    let expected = [
+        ".lock",
+        ".lock-start",
+        "chunks",
+        "figures",
+        "report.html",
+        "results.json",
+        "rollouts.csv",
+        "rollouts.parquet",
+        "study.toml",
+    ];
+    assert_eq!(found, expected);
+    assert!(fs::read_dir(&chunks).unwrap().all(|entry| whole(&entry.unwrap())));
+    folder.legwork(&["study", "long.toml", "--out", "at-once"]).succeeds();
+    assert_eq!(folder.text("legwork-long/rollouts.csv"), folder.text("at-once/rollouts.csv"));
+}
+
+#[test]
 fn shards_give_what_one_run_gives() {
     let folder = small("shards");
     folder.legwork(&["study", "small.toml", "--out", "whole", "--threads", "1"]).succeeds();
@@ -153,7 +304,8 @@ fn an_interrupted_study_goes_on() {
 }
 
 fn whole(entry: &fs::DirEntry) -> bool {
-    entry.file_name().to_string_lossy().ends_with(".jsonl")
+    let name = entry.file_name();
+    name.to_string_lossy().ends_with(".jsonl") && !name.to_string_lossy().starts_with('.')
 }
 
 #[test]

@@ -35,7 +35,7 @@ pub(super) fn sweep(x: Quantity, xs: &[f64], fell: impl Fn(usize, f64) -> bool, 
     ];
     let series = ["walk at 0.5 m/s", "push of 400 N"].iter().enumerate().map(|(index, label)| Series {
         label: (*label).into(),
-        points: xs.iter().map(|&x| Point { x, fell: fell(index, x) }).collect(),
+        points: xs.iter().map(|&x| Point { x, fell: fell(index, x), doubtful: false }).collect(),
     });
     let values = |size: f64, seed: usize| -> Vec<Vec<f64>> {
         let value = |series: usize, k: usize| {
@@ -77,6 +77,7 @@ pub(super) fn sobol() -> HeatMap {
         value: Quantity::new("second-order index", ""),
         cells: (0..8).map(|row| (0..8).map(|column| cell(row, column)).collect()).collect(),
         centre: None,
+        doubtful: Vec::new(),
     }
 }
 
@@ -99,6 +100,7 @@ fn totals(centre: Option<f64>) -> HeatMap {
         value: if centre.is_some() { Quantity::new("rank correlation", "") } else { Quantity::new("total index", "") },
         cells: (0..5).map(|row| (0..6).map(|column| cell(row, column)).collect()).collect(),
         centre,
+        doubtful: Vec::new(),
     }
 }
 
@@ -137,6 +139,7 @@ pub(super) fn survival(shaded: bool) -> SurvivalMap {
         y: Quantity::new("torque limit", "Nm"),
         shade: shaded.then(|| Quantity::new("CoM error", "m")),
         cells,
+        doubtful: Vec::new(),
     }
 }
 
@@ -148,7 +151,7 @@ pub(super) fn polar() -> Polar {
             let value = (0.55 + 0.12 * index as f64) * (1.0 + 0.9 * up.powi(3) + 0.15 * angle.to_radians().cos());
             [angle, if index == 2 && (k == 5 || k == 6) { f64::NAN } else { value + 0.05 * noise(k + 16 * index) }]
         };
-        Curve { label: (*label).into(), points: (0..16).map(point).collect() }
+        Curve { label: (*label).into(), points: (0..16).map(point).collect(), doubtful: Vec::new() }
     };
     Polar {
         radius: Quantity::new("largest impulse survived", "Ns/kg"),
@@ -168,6 +171,7 @@ fn robustness() -> HeatMap {
         value: polar.radius.clone(),
         cells: (0..16).map(|row| polar.curves.iter().map(value(row)).collect()).collect(),
         centre: None,
+        doubtful: Vec::new(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use legwork_study::rollout::DOUBTFUL;
 use maud::{Markup, html};
 
 use super::bars::Placed;
@@ -32,6 +33,8 @@ pub(crate) enum Layer {
     Upright { class: &'static str, label: String, x: f64 },
     /// Crosses at falls.
     Falls { class: String, points: Vec<[f64; 2]> },
+    /// Rings around what broke bounds of the simulation.
+    Rings(Vec<[f64; 2]>),
     /// Marks on the row of that number: from when to when, at which side of the row: −1 below, 1 above, 0 both.
     Row { class: &'static str, row: usize, spans: Vec<([f64; 2], i8)> },
     /// Groups of bars.
@@ -58,9 +61,12 @@ impl Layer {
             Self::Bars(bars) => bars.values(),
             Self::Cloud(cloud) => cloud.points.iter().map(|point| point[1]).collect(),
             Self::Labelled(points) => points.iter().map(|point| point.at[1]).chain([0.0]).collect(),
-            Self::Spans { .. } | Self::Upright { .. } | Self::Falls { .. } | Self::Row { .. } | Self::Cells(_) => {
-                Vec::new()
-            }
+            Self::Spans { .. }
+            | Self::Upright { .. }
+            | Self::Falls { .. }
+            | Self::Rings(_)
+            | Self::Row { .. }
+            | Self::Cells(_) => Vec::new(),
         }
     }
 
@@ -71,6 +77,7 @@ impl Layer {
                 points.iter().any(is_finite)
             }
             Self::Area { points, .. } => points.iter().any(|point| point.iter().all(|value| value.is_finite())),
+            Self::Rings(points) => points.iter().any(is_finite),
             Self::Row { spans, .. } => !spans.is_empty(),
             Self::Bars(bars) => bars.is_to_be_seen(),
             Self::Cells(cells) => cells.is_to_be_seen(),
@@ -91,10 +98,11 @@ impl Layer {
             Self::Spans { class, label, .. } => key(Symbol::Area, class, label),
             Self::Level { class, label, .. } | Self::Upright { class, label, .. } => key(Symbol::Line, class, label),
             Self::Falls { points, .. } if !points.is_empty() => key(Symbol::Cross, "", "fell"),
+            Self::Rings(points) if points.iter().any(is_finite) => key(Symbol::Ring, "", DOUBTFUL),
             Self::Bars(bars) => bars.keys(),
             Self::Cells(cells) => cells.keys(),
             Self::Cloud(cloud) => cloud.keys(),
-            Self::Falls { .. } | Self::Row { .. } | Self::Labelled(_) => Vec::new(),
+            Self::Falls { .. } | Self::Rings(_) | Self::Row { .. } | Self::Labelled(_) => Vec::new(),
         }
     }
 
@@ -108,11 +116,12 @@ impl Layer {
             Self::Level { label, y, .. } => vec![format!("{label} at {}", number(*y))],
             Self::Upright { label, x, .. } => vec![format!("{label} at {}", number(*x))],
             Self::Falls { points, .. } if !points.is_empty() => vec![format!("{} fell", points.len())],
+            Self::Rings(points) if !points.is_empty() => vec![format!("{} {DOUBTFUL}", points.len())],
             Self::Bars(bars) => bars.words(),
             Self::Cells(cells) => cells.words(),
             Self::Cloud(cloud) => reach(cloud.points.iter().map(|point| point[1])).into_iter().collect(),
             Self::Labelled(points) => points.iter().map(Labelled::words).collect(),
-            Self::Falls { .. } | Self::Spans { .. } | Self::Row { .. } => Vec::new(),
+            Self::Falls { .. } | Self::Rings(_) | Self::Spans { .. } | Self::Row { .. } => Vec::new(),
         }
     }
 
@@ -144,6 +153,9 @@ impl Layer {
             Self::Level { .. } | Self::Upright { .. } => html! {},
             Self::Falls { class, points } => html! {
                 @for centre in plot.all(points) { path class={ "cross " (class) } d=(svg::cross(centre, 3.8)) {} }
+            },
+            Self::Rings(points) => html! {
+                @for centre in plot.all(points) { path class="doubtful" d=(svg::shape(0, centre, svg::RING)) {} }
             },
             Self::Row { class, row, spans } => html! { path class={ "span " (class) } d=(marks(*row, spans, plot)) {} },
             Self::Bars(bars) => bars.draw(plot),

@@ -1,5 +1,6 @@
 //! Maps: cells in colours with their numbers, as a matrix of texts or over two quantities; where a robot fell and stood.
 
+use legwork_study::rollout::DOUBTFUL;
 use maud::{Markup, html};
 
 use super::axis::{Axis, Quantity};
@@ -23,6 +24,8 @@ struct Cell {
     x: [f64; 2],
     y: [f64; 2],
     holds: Holds,
+    /// Whether it broke bounds of the simulation; it then has a ring.
+    doubtful: bool,
 }
 
 /// What came of a pair of values.
@@ -50,6 +53,8 @@ pub(crate) struct HeatMap {
     pub(crate) cells: Vec<Vec<f64>>,
     /// The value in the middle of the colours, where less than it and more than it are to be told apart.
     pub(crate) centre: Option<f64>,
+    /// Row and column of what broke bounds of the simulation.
+    pub(crate) doubtful: Vec<[usize; 2]>,
 }
 
 /// Where in a plane of two parameters a robot stood and where it fell.
@@ -61,6 +66,8 @@ pub(crate) struct SurvivalMap {
     pub(crate) shade: Option<Quantity>,
     /// What came of each pair of x and y.
     pub(crate) cells: Vec<([f64; 2], Holds)>,
+    /// The pairs that broke bounds of the simulation.
+    pub(crate) doubtful: Vec<[f64; 2]>,
 }
 
 /// Height of a row of a matrix, and of all cells of a plane [px].
@@ -78,7 +85,7 @@ impl HeatMap {
         let cell = |row: usize, column: usize| {
             let value = self.cells.get(row).and_then(|cells| cells.get(column)).copied().unwrap_or(f64::NAN);
             let holds = if value.is_finite() { Holds::Value(value) } else { Holds::Nothing };
-            Cell { x: around(column), y: around(row), holds }
+            Cell { x: around(column), y: around(row), holds, doubtful: self.doubtful.contains(&[row, column]) }
         };
         let cells = (0..self.rows.len()).flat_map(|row| (0..self.columns.len()).map(move |column| cell(row, column)));
         let layer = Layer::Cells(Cells { cells: cells.collect(), colours: Some(colours.clone()) });
@@ -112,7 +119,8 @@ impl SurvivalMap {
         let mut cells = Vec::new();
         for (column, x) in x.windows(2).enumerate() {
             for (row, y) in y.windows(2).enumerate() {
-                cells.push(Cell { x: [x[0], x[1]], y: [y[0], y[1]], holds: grid[column][row] });
+                let doubtful = self.doubtful.contains(&[xs[column], ys[row]]);
+                cells.push(Cell { x: [x[0], x[1]], y: [y[0], y[1]], holds: grid[column][row], doubtful });
             }
         }
         let limit = boundary(&grid, &x, &y);
@@ -191,6 +199,10 @@ impl Cells {
         self.cells.iter().filter(|cell| cell.holds == Holds::Fell).count()
     }
 
+    fn doubtful(&self) -> usize {
+        self.cells.iter().filter(|cell| cell.doubtful).count()
+    }
+
     pub(super) fn is_to_be_seen(&self) -> bool {
         self.falls() > 0 || self.values().next().is_some()
     }
@@ -200,13 +212,17 @@ impl Cells {
         let keys = [
             (dots, Key::new(Symbol::Dot, "stood", "survived")),
             (self.falls() > 0, Key::new(Symbol::Cross, "", "fell")),
+            (self.doubtful() > 0, Key::new(Symbol::Ring, "", DOUBTFUL)),
         ];
         keys.into_iter().filter(|(shown, _)| *shown).map(|(_, key)| key).collect()
     }
 
     pub(super) fn words(&self) -> Vec<String> {
         let fell = format!("{} of {} fell", self.falls(), self.cells.len());
-        reach(self.values()).into_iter().chain((self.falls() > 0).then_some(fell)).collect()
+        let doubtful = format!("{} {DOUBTFUL}", self.doubtful());
+        let counts = [(self.falls() > 0, fell), (self.doubtful() > 0, doubtful)];
+        let counts = counts.into_iter().filter(|(any, _)| *any).map(|(_, words)| words);
+        reach(self.values()).into_iter().chain(counts).collect()
     }
 
     pub(super) fn draw(&self, plot: &Plot) -> Markup {
@@ -249,6 +265,10 @@ impl Cells {
                         circle class="stood" cx=(Px(middle[0])) cy=(Px(middle[1])) r=(Px(radius(size).min(3.0))) {}
                     }
                 }
+                // In the corner, where it hides no number.
+                @if cell.doubtful {
+                    path class="doubtful" d=(svg::shape(0, [*right - radius(size) - 2.0, *top + radius(size) + 2.0], radius(size))) {}
+                }
             }
         }
     }
@@ -281,7 +301,13 @@ mod tests {
             let (x, y) = (f64::from(k % 4), f64::from(k / 4));
             ([x, y], if y < x { Holds::Fell } else { Holds::Value(y - x) })
         };
-        SurvivalMap { x: Quantity::default(), y: Quantity::default(), shade, cells: (0..16).map(cell).collect() }
+        SurvivalMap {
+            x: Quantity::default(),
+            y: Quantity::default(),
+            shade,
+            cells: (0..16).map(cell).collect(),
+            doubtful: Vec::new(),
+        }
     }
 
     fn matrix() -> HeatMap {
@@ -293,6 +319,7 @@ mod tests {
             value: Quantity::new("index", ""),
             cells: vec![vec![f64::NAN, 0.25, 0.5], vec![f64::NAN, f64::NAN, 1.0], vec![f64::NAN; 2]],
             centre: None,
+            doubtful: Vec::new(),
         }
     }
 
@@ -337,6 +364,18 @@ mod tests {
         assert_eq!(shaded.matches("class=\"cross\"").count(), 6);
         assert_eq!(shaded.matches("class=\"cell\"").count(), 10);
         assert!(shaded.contains(">limit<") && shaded.contains(">fell<") && !shaded.contains(">survived<"));
+    }
+
+    #[test]
+    fn what_broke_bounds_has_a_ring_and_an_entry_in_the_legend() {
+        let rings = |drawing: Drawing| {
+            (drawing.content.into_string().matches("class=\"doubtful\"").count(), drawing.description)
+        };
+        let doubtful = SurvivalMap { doubtful: vec![[0.0, 0.0], [3.0, 3.0]], ..plane(None) };
+        let (count, words) = rings(doubtful.draw(860.0));
+        assert!(count == 2 + 1 && words.contains("2 broke bounds of the simulation"), "{count}: {words}");
+        assert_eq!(rings(HeatMap { doubtful: vec![[0, 1]], ..matrix() }.draw(860.0)).0, 1 + 1);
+        assert_eq!(rings(plane(None).draw(860.0)).0, 0);
     }
 
     #[test]

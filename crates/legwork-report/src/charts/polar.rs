@@ -1,5 +1,6 @@
 //! Values by direction: a curve a series around a centre.
 
+use legwork_study::rollout::DOUBTFUL;
 use maud::{Markup, html};
 
 use super::axis::{Axis, Quantity, Ruler};
@@ -23,6 +24,8 @@ pub(crate) struct Curve {
     pub(crate) label: String,
     /// Direction [degrees], counter-clockwise from the right, and value; not a number where there is none.
     pub(crate) points: Vec<[f64; 2]>,
+    /// Directions whose value broke bounds of the simulation; they have a ring.
+    pub(crate) doubtful: Vec<f64>,
 }
 
 /// Largest radius [px].
@@ -36,8 +39,11 @@ impl Polar {
             return no_data(width);
         }
         let keys = self.curves.iter().enumerate().filter(|(_, curve)| !curve.label.is_empty());
-        let keys: Vec<Key> =
+        let mut keys: Vec<Key> =
             keys.map(|(k, curve)| Key::new(Symbol::Marked(mark(k)), &class(k), &curve.label)).collect();
+        let is_doubtful = |curve: &Curve, point: &[f64; 2]| is_finite(point) && curve.doubtful.contains(&point[0]);
+        let any = self.curves.iter().any(|curve| curve.points.iter().any(|point| is_doubtful(curve, point)));
+        keys.extend(any.then(|| Key::new(Symbol::Ring, "", DOUBTFUL)));
         let (legend, legend_height) = svg::legend(&keys, 4.0, width);
         let side = text_width(&self.directions[0]).max(text_width(&self.directions[2])) + 18.0;
         let reach = RADIUS.min(0.5 * width - side);
@@ -55,6 +61,11 @@ impl Polar {
                 path class={ "line " (class(index)) } d=(svg::path(lines)) {}
                 path class={ "shape " (class(index)) }
                     d={ @for &[x, y] in marked(lines) { (svg::shape(mark(index), [x, y], 3.6)) } } {}
+            }
+            @for curve in &self.curves {
+                @for point in curve.points.iter().filter(|point| is_doubtful(curve, point)) {
+                    path class="doubtful" d=(svg::shape(0, place(point[0], point[1]), svg::RING)) {}
+                }
             }
             g class="ticks" text-anchor="middle" {
                 @for tick in rings.ticks.iter().filter(|tick| tick.at > 1.0) {
@@ -160,7 +171,7 @@ mod tests {
     use super::*;
 
     fn curve(points: &[[f64; 2]]) -> Curve {
-        Curve { label: String::new(), points: points.to_vec() }
+        Curve { label: String::new(), points: points.to_vec(), doubtful: Vec::new() }
     }
 
     #[test]

@@ -113,6 +113,9 @@ pub(crate) fn whisker(from: [f64; 2], to: [f64; 2]) -> String {
     path(&[cap(from), vec![from, to], cap(to)])
 }
 
+/// Radius of a ring around a mark [px].
+pub(crate) const RING: f64 = 6.0;
+
 /// How many marks of [`shape`] differ.
 pub(crate) const SHAPES: usize = 6;
 
@@ -168,6 +171,8 @@ pub(crate) enum Symbol {
     Marked(usize),
     /// A cross.
     Cross,
+    /// A ring.
+    Ring,
     /// An error bar.
     Whisker,
 }
@@ -240,6 +245,7 @@ fn symbol(key: &Key, x: f64, y: f64, width: f64) -> Markup {
                 path class={ "shape " (key.class) } d=(shape(index, middle, 4.0)) {}
             },
             Symbol::Cross => path class={ "cross " (key.class) } d=(cross(middle, 4.0)) {},
+            Symbol::Ring => path class="doubtful" d=(shape(0, middle, RING)) {},
             Symbol::Whisker => path class="whisker" d=(whisker([middle[0], y - 6.0], [middle[0], y + 6.0])) {},
         }
     }

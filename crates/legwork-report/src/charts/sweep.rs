@@ -33,6 +33,8 @@ pub(crate) struct Point {
     pub(crate) x: f64,
     /// Whether it ended in a fall; it then has a cross, and its values are not drawn.
     pub(crate) fell: bool,
+    /// Whether it broke bounds of the simulation; it then has a ring.
+    pub(crate) doubtful: bool,
 }
 
 /// Coordinate systems one above the other.
@@ -103,8 +105,13 @@ impl Sweep {
             let points = fell.map(|point| [self.place(index, point.x), row as f64]).collect();
             Layer::Falls { class: class(index), points }
         };
+        let rings = |(row, &index): (usize, &usize)| {
+            let doubtful = self.series[index].points.iter().filter(|point| point.fell && point.doubtful);
+            Layer::Rings(doubtful.map(|point| [self.place(index, point.x), row as f64]).collect())
+        };
         let band = Layer::Spans { class: "fell-band", label: "", spans: vec![[-1e300, 1e300]] };
-        let layers: Vec<Layer> = [band].into_iter().chain(fallen.iter().enumerate().map(crosses)).collect();
+        let rows = || fallen.iter().enumerate();
+        let layers: Vec<Layer> = [band].into_iter().chain(rows().map(crosses)).chain(rows().map(rings)).collect();
         let names = (0..fallen.len()).map(|row| if row == 0 { "fell".to_owned() } else { String::new() });
         (!fallen.is_empty()).then(|| chart::Part {
             y: Axis::of_texts("", names.collect()),
@@ -130,6 +137,7 @@ impl Sweep {
                 points,
                 joined: self.categories.is_empty(),
             });
+            layers.push(Layer::Rings(self.rings(number, values)));
         }
         let drawn = chart::Part::new(part.y.clone(), HEIGHT / among as f64 - 37.0, layers);
         let exactly = part.covers.map(|domain| Axis::exactly(part.y.clone(), domain));
@@ -152,6 +160,13 @@ impl Sweep {
             }
         };
         ends.map(layer).into()
+    }
+
+    /// The points of a series that broke bounds of the simulation and did not fall.
+    fn rings(&self, number: usize, values: &[f64]) -> Vec<[f64; 2]> {
+        let points = self.series[number].points.iter().zip(values);
+        let doubtful = points.filter(|(point, value)| point.doubtful && !point.fell && value.is_finite());
+        doubtful.map(|(point, value)| [self.place(number, point.x), *value]).collect()
     }
 
     /// The points of a series in the order of the parameter; without a value where the robot fell.
@@ -180,7 +195,7 @@ mod tests {
 
     /// A series that fell at 2 of 5 values, and has none at another.
     fn example(categories: &[&str]) -> Sweep {
-        let point = |k: u32| Point { x: f64::from(k), fell: k == 0 || k == 3 };
+        let point = |k: u32| Point { x: f64::from(k), fell: k == 0 || k == 3, doubtful: k == 3 || k == 5 };
         let values = vec![vec![9.0, 1.0, 2.0, 9.0, f64::NAN, 3.0, 4.0]];
         let part = |name: &str| Part::new(Quantity::new(name, ""), values.clone());
         Sweep {
@@ -206,6 +221,17 @@ mod tests {
         assert_eq!(count(&text, "class=\"cross \""), 1, "in the legend");
         assert_eq!(count(&text, "class=\"fell-band\""), 2);
         assert_eq!(count(&text, ">fell<"), 2 + 1);
+    }
+
+    #[test]
+    fn what_broke_bounds_has_a_ring_and_an_entry_in_the_legend() {
+        let drawing = example(&[]).draw(860.0);
+        // In two panels a fall, in three coordinate systems a value, and the legend.
+        assert_eq!(count(&drawing.content.into_string(), "class=\"doubtful\""), 2 + 3 + 1);
+        assert!(drawing.description.contains("1 broke bounds of the simulation"), "{}", drawing.description);
+        let mut kept = example(&[]);
+        kept.series[0].points.iter_mut().for_each(|point| point.doubtful = false);
+        assert_eq!(count(&kept.draw(860.0).content.into_string(), "doubtful"), 0);
     }
 
     #[test]

@@ -134,6 +134,7 @@ fn many_and_long_labels_are_readable_too() {
             value: quantity("a value with a long name"),
             cells: vec![counts.iter().copied().cycle().take(columns).collect(); 5],
             centre: None,
+            doubtful: Vec::new(),
         };
         assert_readable("one column", &map(1).draw(width));
         assert_readable("many columns", &map(16).draw(width));
@@ -168,7 +169,7 @@ fn of_one(label: &str, x: f64, y: f64) -> Vec<(&'static str, Drawing)> {
         x: own(),
         categories: Vec::new(),
         marked: Some((x, title())),
-        series: vec![Series { label: title(), points: vec![Point { x, fell }] }],
+        series: vec![Series { label: title(), points: vec![Point { x, fell, doubtful: fell }] }],
         panels: vec![Panel { title: title(), parts: vec![Part::new(own(), vec![vec![y]])] }],
     };
     let heat = |centre| HeatMap {
@@ -179,6 +180,7 @@ fn of_one(label: &str, x: f64, y: f64) -> Vec<(&'static str, Drawing)> {
         value: own(),
         cells: vec![vec![y]],
         centre,
+        doubtful: vec![[0, 0]],
     };
     let bars = Bars {
         value: own(),
@@ -186,11 +188,17 @@ fn of_one(label: &str, x: f64, y: f64) -> Vec<(&'static str, Drawing)> {
         interval: title(),
         groups: vec![Group { label: title(), bars: vec![Bar { value: y, interval: Some([y, f64::NAN]) }] }],
     };
-    let map = |holds| SurvivalMap { x: own(), y: own(), shade: Some(own()), cells: vec![([x, y], holds)] };
+    let map = |holds| SurvivalMap {
+        x: own(),
+        y: own(),
+        shade: Some(own()),
+        cells: vec![([x, y], holds)],
+        doubtful: vec![[x, y]],
+    };
     let polar = Polar {
         radius: own(),
         directions: [(); 4].map(|()| title()),
-        curves: vec![Curve { label: title(), points: vec![[x, y]] }],
+        curves: vec![Curve { label: title(), points: vec![[x, y]], doubtful: vec![x] }],
     };
     let of = |layer: Layer| {
         let marks = vec![

@@ -94,7 +94,11 @@ fn sweep(results: &Results, index: usize, bases: &[usize]) -> Sweep {
         points: rows
             .iter()
             .enumerate()
-            .map(|(position, (level, row))| Point { x: place(position, level), fell: row.ending == Ending::Fell })
+            .map(|(position, (level, row))| Point {
+                x: place(position, level),
+                fell: row.ending == Ending::Fell,
+                doubtful: row.is_doubtful,
+            })
             .collect(),
     });
     let values = |metric: usize| -> Vec<Vec<f64>> {
@@ -161,6 +165,7 @@ pub(super) fn maps(results: &Results, figures: &mut Figures) -> Vec<Section> {
                 .iter()
                 .map(|(at, rows)| (*at, if survival(rows) > 0.0 { Holds::Value(of(rows)) } else { Holds::Fell }))
                 .collect(),
+            doubtful: pairs.iter().filter(|(_, rows)| any_doubtful(rows)).map(|(at, _)| *at).collect(),
         };
         let mut maps = Vec::new();
         if repeated {
@@ -196,6 +201,11 @@ pub(super) fn maps(results: &Results, figures: &mut Figures) -> Vec<Section> {
         sections.push(Section { title: base.name().to_owned(), body: html! { @for figure in drawn { (figure) } } });
     }
     sections
+}
+
+/// Whether one of them broke bounds of the simulation.
+fn any_doubtful(rows: &[&Row]) -> bool {
+    rows.iter().any(|row| row.is_doubtful)
 }
 
 fn could_run(row: &Row) -> bool {
@@ -292,9 +302,12 @@ fn binned(results: &Results, index: usize, bases: &[usize]) -> Sweep {
         marked: factor.marked.clone().filter(|_| !texts),
         series: bases
             .iter()
-            .map(|&base| Series {
+            .zip(&bins)
+            .map(|(&base, bins)| Series {
                 label: results.study.bases[base].name().to_owned(),
-                points: (0..count).map(|part| Point { x: x(part), fell: false }).collect(),
+                points: (0..count)
+                    .map(|part| Point { x: x(part), fell: false, doubtful: any_doubtful(&bins[part]) })
+                    .collect(),
             })
             .collect(),
         panels,

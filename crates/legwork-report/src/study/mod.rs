@@ -10,11 +10,13 @@ use legwork::diagnosis::FirstCause;
 use legwork::error::Error;
 use legwork_study::Factor;
 use legwork_study::design::Design;
-use legwork_study::results::{Endings, Results};
+use legwork_study::results::{Endings, Range, Results};
+use legwork_study::rollout::DOUBTFUL;
 use legwork_study::sensitivity::Bootstrap;
 use maud::{Markup, html};
 
 use crate::charts::axis::Quantity;
+use crate::charts::numbers::number;
 use crate::document::{Chapter, Figures, Page, Section, page as document};
 use along::{is_map, is_replicate, maps, parts, sweeps, varied};
 use indices::{morris, sobol};
@@ -35,6 +37,7 @@ pub fn page(results: &Results) -> Result<Page, Error> {
         sections: vec![
             Section { title: "Survival".into(), body: survival(results) },
             Section { title: "Causes of the falls".into(), body: causes(results) },
+            Section { title: "Ranges of the figures".into(), body: ranges(results) },
         ],
     }];
     match study.design {
@@ -95,11 +98,7 @@ pub fn endings(endings: &Endings) -> String {
             let _ = write!(text, " ({})", causes.join(", "));
         }
     }
-    let others = [
-        (invalid, "could not be run"),
-        (failed, "failed by a defect of the program"),
-        (doubtful, "broke bounds of the simulation"),
-    ];
+    let others = [(invalid, "could not be run"), (failed, "failed by a defect of the program"), (doubtful, DOUBTFUL)];
     for (count, what) in others {
         if *count > 0 {
             let _ = write!(text, ", {count} {what}");
@@ -123,7 +122,7 @@ fn repetitions(results: &Results) -> String {
     }
 }
 
-const FALL_NOTE: &str = "A cross marks a fall; the figures of a run that fell are not drawn.";
+const FALL_NOTE: &str = "A cross marks a fall; the figures of a run that fell are not drawn; a ring marks a rollout that broke bounds of the simulation.";
 
 fn survival(results: &Results) -> Markup {
     html! {
@@ -163,6 +162,46 @@ fn causes(results: &Results) -> Markup {
             }
         } }
     }
+}
+
+fn ranges(results: &Results) -> Markup {
+    let bases = 0..results.study.bases.len();
+    let shown = |base, metric: &str| results.range(base, metric).map_or("\u{2013}".to_owned(), |found| range(&found));
+    html! {
+        p { "From the least to the greatest of the rollouts that stood; one number where they differ by no more than rounding." }
+        div.scroll { table {
+            thead { tr { th.left { "figure" } @for base in &results.study.bases { th { (base.name()) } } } }
+            tbody {
+                @for column in &results.columns {
+                    tr {
+                        th scope="row" { (column.label) @if !column.unit.is_empty() { " " span.unit { "[" (column.unit) "]" } } }
+                        @for base in bases.clone() { td { (shown(base, &column.name)) } }
+                    }
+                }
+            }
+        } }
+    }
+}
+
+/// From the least to the greatest, with the digits that tell them apart; one number where they are equal but for rounding.
+pub fn range(range: &Range) -> String {
+    let Range { least, greatest, .. } = *range;
+    if range.is_one_value() {
+        return number(least);
+    }
+    let apart = (greatest - least).abs() / least.abs().max(greatest.abs());
+    // Two digits of the difference, three at the least.
+    let digits = (1 - apart.log10().floor() as i32).clamp(2, 15) as usize;
+    if digits == 2 {
+        return format!("{} to {}", number(least), number(greatest));
+    }
+    let decimals = |value: f64| (digits as i32 - value.abs().max(1e-300).log10().floor() as i32).clamp(0, 15) as usize;
+    let decimals = decimals(if least.abs() > greatest.abs() { least } else { greatest });
+    let text = |value: f64| match value.abs() {
+        size if size != 0.0 && !(1e-3..1e6).contains(&size) => format!("{value:.digits$e}"),
+        _ => format!("{value:.decimals$}"),
+    };
+    format!("{} to {}", text(least), text(greatest)).replace('-', "\u{2212}")
 }
 
 /// A first cause in words.

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Bootstrap, Estimate, mean, resample};
 use crate::design::saltelli_rows;
+use crate::ties;
 use legwork::error::Error;
 
 /// What [`sobol_indices`] finds about one output.
@@ -21,7 +22,8 @@ pub struct Indices {
     pub mean: f64,
     /// Variance of the output over the independent points, A and B.
     pub variance: f64,
-    /// The indices, or nothing where the output is the same at all points of A and B: there is no variance to share.
+    /// The indices, or nothing where the output is the same at all points of A and B but for rounding ([`ties`]): there is no
+    /// variance to share.
     pub shares: Option<Shares>,
 }
 
@@ -110,8 +112,8 @@ impl Samples {
         let last = self.samples[0].len() - 1;
         let outputs: Vec<f64> = chosen.iter().flat_map(|&i| [self.samples[i][0], self.samples[i][last]]).collect();
         let centre = mean(outputs.iter().copied());
-        // The mean of equal numbers is not always that number, and a rounding error is no variance.
-        let equal = outputs.iter().all(|&y| y == outputs[0]);
+        // Outputs are in units of the largest.
+        let equal = outputs.iter().all(|&y| (y - outputs[0]).abs() <= ties::SHARE);
         (centre, if equal { 0.0 } else { mean(outputs.iter().map(|y| (y - centre).powi(2))) })
     }
 

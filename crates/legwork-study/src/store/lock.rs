@@ -1,13 +1,13 @@
 //! Locks on a study's folder: who writes into it.
 //!
 //! The operating system holds them on files and gives them back when a program ends, however it ends: a crashed run
-//! leaves no lock. The files themselves stay.
+//! leaves no lock. The files themselves stay, those of shards until a run of the whole.
 
 use std::fs::{File, TryLockError};
 use std::path::Path;
 
-use super::files;
 use super::shard::Shard;
+use crate::files;
 use legwork::error::Error;
 
 const PREFIX: &str = ".lock";
@@ -24,6 +24,10 @@ impl Lock {
         let all = open(&folder.join(PREFIX))?;
         let Some(shard) = shard else {
             held(all.try_lock(), folder, "another run writes into this folder")?;
+            // Nobody has these now: shards share the lock that is held alone here.
+            for left in files::names(folder)?.iter().filter(|name| is_lock(name) && name.contains("-of-")) {
+                let _ = std::fs::remove_file(folder.join(left));
+            }
             return Ok(Self { _files: vec![all] });
         };
         held(all.try_lock_shared(), folder, "another run of the whole study writes into this folder")?;

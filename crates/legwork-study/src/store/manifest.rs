@@ -1,40 +1,70 @@
-//! `study.toml`: which study a folder holds.
+//! `study.toml` or `tuning.toml`: which study or tuning a folder holds.
 //!
-//! The text is the caller's, after a first line (a comment in TOML) that tells the rest of what identifies the study.
+//! The text is the caller's, after a first line (a comment in TOML) that tells the rest of what identifies it. A tuning's
+//! second line is its budget, which may change.
 
 use std::path::Path;
 
 use xxhash_rust::xxh3::Xxh3;
 
-use super::files;
+use crate::files;
 use legwork::error::Error;
-
-pub(super) const NAME: &str = "study.toml";
 
 const FORMAT: u32 = 1;
 
+/// How the line of a tuning's budget begins.
+const BUDGET: &str = "budget = ";
+
+/// What a folder is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Study,
+    Tuning,
+}
+
+impl Kind {
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Study => "study",
+            Self::Tuning => "tuning",
+        }
+    }
+
+    /// The name of its file.
+    pub(super) fn file(self) -> String {
+        format!("{}.toml", self.name())
+    }
+}
+
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Manifest {
+    pub(super) kind: Kind,
     pub(super) text: String,
     pub(super) identity: u128,
     pub(super) total: u64,
     /// Of all the above.
     pub(super) hash: u128,
+    /// How many candidates a tuning tries.
+    pub(super) budget: Option<u64>,
 }
 
 impl Manifest {
     pub(super) fn new(text: &str, identity: u128, total: u64) -> Self {
+        Self::of(Kind::Study, text, identity, total)
+    }
+
+    pub(super) fn of(kind: Kind, text: &str, identity: u128, total: u64) -> Self {
         let mut hasher = Xxh3::new();
         hasher.update(&FORMAT.to_le_bytes());
         hasher.update(&identity.to_le_bytes());
         hasher.update(&total.to_le_bytes());
         hasher.update(text.as_bytes());
-        Self { text: text.to_owned(), identity, total, hash: hasher.digest128() }
+        Self { kind, text: text.to_owned(), identity, total, hash: hasher.digest128(), budget: None }
     }
 
-    /// Refuses a study that was `found` in `folder` where `wanted`, which is this one, was to be.
+    /// Refuses one that was `found` in `folder` where `wanted`, which is this one, was to be; budgets may differ.
     pub(super) fn require_same(&self, found: &Self, wanted: &str, folder: &Path) -> Result<(), Error> {
-        if self == found {
+        if self.hash == found.hash {
             return Ok(());
         }
         let line = self.text.lines().zip(found.text.lines()).find(|(mine, theirs)| mine != theirs);
@@ -47,44 +77,60 @@ impl Manifest {
             }
         };
         let problem = format!(
-            "holds another study ({:032x}) than {wanted} ({:032x}): {difference}; choose another folder, or delete this one",
-            found.hash, self.hash
+            "holds another {} ({:032x}) than {wanted} ({:032x}): {difference}; choose another folder, or delete this one",
+            self.kind.name(),
+            found.hash,
+            self.hash
         );
         Err(Error::invalid(folder.display().to_string(), problem))
     }
 
     fn first_line(&self) -> String {
         let Self { identity, total, hash, .. } = self;
-        format!("# legwork study, format {FORMAT}, records {total}, identity {identity:032x}, hash {hash:032x}")
+        let kind = self.kind.name();
+        format!("# legwork {kind}, format {FORMAT}, records {total}, identity {identity:032x}, hash {hash:032x}")
     }
 
-    /// Writes the study to `folder`.
+    fn content(&self) -> String {
+        let budget = self.budget.map_or(String::new(), |budget| format!("{BUDGET}{budget}\n"));
+        format!("{}\n{budget}{}", self.first_line(), self.text)
+    }
+
+    /// Writes it to `folder`.
     pub(super) fn write(&self, folder: &Path) -> Result<(), Error> {
-        files::write_whole(&folder.join(NAME), format!("{}\n{}", self.first_line(), self.text).as_bytes())
+        files::write_whole(&folder.join(self.kind.file()), self.content().as_bytes())
     }
 
-    /// The study in `folder`, if it holds one.
+    /// What `folder` holds of this kind, if it does.
     ///
     /// # Errors
     /// It cannot be read, or was changed after it was written.
-    pub(super) fn read(folder: &Path) -> Result<Option<Self>, Error> {
-        let path = folder.join(NAME);
+    pub(super) fn read(folder: &Path, kind: Kind) -> Result<Option<Self>, Error> {
+        let path = folder.join(kind.file());
         let Some(bytes) = files::read_if_there(&path)? else {
             return Ok(None);
         };
-        let found = String::from_utf8(bytes).ok().and_then(|content| Self::parse(&content));
+        let found = String::from_utf8(bytes).ok().and_then(|content| Self::parse(kind, &content));
         found.map(Some).ok_or_else(|| {
-            let problem = "was not written by a study of this version, or was changed or damaged since: \
-                           expected a first line with format, records, identity and hash that fit what follows";
+            let problem = format!(
+                "was not written by a {} of this version, or was changed or damaged since: \
+                 expected a first line with format, records, identity and hash that fit what follows",
+                kind.name()
+            );
             Error::invalid(path.display().to_string(), problem)
         })
     }
 
-    fn parse(content: &str) -> Option<Self> {
-        let (line, text) = content.split_once('\n')?;
+    fn parse(kind: Kind, content: &str) -> Option<Self> {
+        let (line, mut text) = content.split_once('\n')?;
+        let mut budget = None;
+        if kind == Kind::Tuning {
+            let (first, rest) = text.split_once('\n')?;
+            (budget, text) = (Some(first.strip_prefix(BUDGET)?.parse().ok()?), rest);
+        }
         let value = |key: &str| line.split(", ").find_map(|part| part.strip_prefix(key)?.strip_prefix(' '));
         let identity = u128::from_str_radix(value("identity")?, 16).ok()?;
-        let found = Self::new(text, identity, value("records")?.parse().ok()?);
+        let found = Self { budget, ..Self::of(kind, text, identity, value("records")?.parse().ok()?) };
         (found.first_line() == line).then_some(found)
     }
 }
@@ -97,13 +143,25 @@ mod tests {
     fn a_change_of_any_byte_is_noticed() {
         let manifest = Manifest::new("rollouts = 10\n[push]\n", 77, 10);
         let content = format!("{}\n{}", manifest.first_line(), manifest.text);
-        assert_eq!(Manifest::parse(&content).as_ref(), Some(&manifest));
+        assert_eq!(Manifest::parse(Kind::Study, &content).as_ref(), Some(&manifest));
         assert!(toml::from_str::<toml::Table>(&content).is_ok(), "the first line is a comment");
         for at in 0..content.len() {
             let mut changed = content.clone().into_bytes();
             changed[at] ^= 1;
-            assert_eq!(Manifest::parse(&String::from_utf8(changed).unwrap()), None, "byte {at}");
+            assert_eq!(Manifest::parse(Kind::Study, &String::from_utf8(changed).unwrap()), None, "byte {at}");
         }
+    }
+
+    #[test]
+    fn a_tuning_with_another_budget_is_the_same_and_one_of_another_text_is_not() {
+        let tuning = |text, budget| Manifest { budget: Some(budget), ..Manifest::of(Kind::Tuning, text, 7, u64::MAX) };
+        let (few, many) = (tuning("seed = 1\n", 6), tuning("seed = 1\n", 600));
+        assert_eq!(Manifest::parse(Kind::Tuning, &many.content()).as_ref(), Some(&many));
+        assert_eq!(toml::from_str::<toml::Table>(&few.content()).unwrap()["budget"].as_integer(), Some(6));
+        assert!(few.require_same(&many, "the given one", Path::new("a")).is_ok());
+        let refused = few.require_same(&tuning("seed = 2\n", 6), "the given one", Path::new("a")).unwrap_err();
+        assert!(refused.to_string().contains("holds another tuning") && refused.to_string().contains("\"seed = 2\""));
+        assert_eq!(Manifest::parse(Kind::Study, &few.content()), None);
     }
 
     #[test]

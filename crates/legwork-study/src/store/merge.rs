@@ -20,7 +20,7 @@ pub fn merge(folders: &[PathBuf], into: &Path) -> Result<Survey, Error> {
     for other in &sources {
         first.manifest.require_same(&other.manifest, &name, &other.folder)?;
     }
-    let into = Store::open_with(into, first.manifest.clone(), None)?;
+    let into = Store::open_with(into, first.manifest.clone(), first.size, None, |_| None)?;
     sources.retain(|source| !same_folder(&source.folder, &into.folder));
     let mut survey = Survey::default();
     for chunk in 0..into.number_of_chunks() {

@@ -1,8 +1,8 @@
-//! The folder of a study: what is done, so that it can be added to by many runs and read at any time.
+//! The folder of a study or a tuning: what is done, so that it can be added to by many runs and read at any time.
 //!
 //! ```text
-//! study.toml             the study, and what else identifies it
-//! chunks/000123.jsonl    the records of the 124th chunk
+//! study.toml             the study, and what else identifies it; of a tuning tuning.toml
+//! chunks/000123.jsonl    the records of the 124th chunk; of a tuning the candidates of a generation
 //! .lock*                 who writes at the moment
 //! ```
 //!
@@ -11,7 +11,6 @@
 //! read. One chunk at a time is in memory.
 
 mod chunk;
-mod files;
 mod lock;
 mod manifest;
 mod merge;
@@ -24,9 +23,10 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use crate::files;
 use legwork::error::Error;
 use lock::Lock;
-use manifest::Manifest;
+use manifest::{Kind, Manifest};
 
 pub use merge::merge;
 pub use shard::Shard;
@@ -36,6 +36,8 @@ pub use shard::Shard;
 pub struct Store {
     folder: PathBuf,
     manifest: Manifest,
+    /// Records in a full chunk.
+    size: u64,
     shard: Shard,
     /// None in a store that is only read.
     lock: Option<Lock>,
@@ -76,22 +78,50 @@ impl Store {
     /// # Errors
     /// The folder holds another study, or files and no study; another run writes into it; it cannot be written.
     pub fn open(folder: &Path, text: &str, identity: u128, total: u64, shard: Option<Shard>) -> Result<Self, Error> {
-        Self::open_with(folder, Manifest::new(text, identity, total), shard)
+        Self::open_with(folder, Manifest::new(text, identity, total), shard::chunk_size(total), shard, |_| None)
     }
 
-    fn open_with(folder: &Path, manifest: Manifest, shard: Option<Shard>) -> Result<Self, Error> {
-        make_folder(folder)?;
+    /// Opens `folder` for a tuning with generations of `size` candidates, and remembers there the budget that `budget` makes
+    /// of what the folder has so far. A tuning is identified by its `text` (TOML, without the budget) and by `identity`.
+    ///
+    /// # Errors
+    /// As [`Store::open`].
+    pub fn open_tuning(
+        folder: &Path,
+        text: &str,
+        identity: u128,
+        size: u64,
+        budget: impl FnOnce(Option<u64>) -> u64,
+    ) -> Result<Self, Error> {
+        let manifest = Manifest::of(Kind::Tuning, text, identity, u64::MAX);
+        Self::open_with(folder, manifest, size, None, |kept| Some(budget(kept)))
+    }
+
+    fn open_with(
+        folder: &Path,
+        mut manifest: Manifest,
+        size: u64,
+        shard: Option<Shard>,
+        budget: impl FnOnce(Option<u64>) -> Option<u64>,
+    ) -> Result<Self, Error> {
+        make_folder(folder, manifest.kind)?;
         let lock = Some(Lock::take(folder, shard)?);
         let start = Lock::take_start(folder)?;
-        match Manifest::read(folder)? {
-            Some(found) => manifest.require_same(&found, "the given one", folder)?,
-            None => manifest.write(folder)?,
+        let found = Manifest::read(folder, manifest.kind)?;
+        if let Some(found) = &found {
+            manifest.require_same(found, "the given one", folder)?;
+        }
+        manifest.budget = budget(found.as_ref().and_then(|found| found.budget));
+        if found.as_ref() != Some(&manifest) {
+            manifest.write(folder)?;
         }
         drop(start);
-        let store = Self { folder: folder.to_owned(), manifest, shard: shard.unwrap_or(Shard::WHOLE), lock };
+        let store = Self { folder: folder.to_owned(), manifest, size, shard: shard.unwrap_or(Shard::WHOLE), lock };
         fs::create_dir_all(store.chunk_folder()).map_err(|error| Error::io(store.chunk_folder(), &error))?;
-        for (chunk, _) in store.own_files()? {
-            files::remove_unfinished(&store.chunk_path(chunk))?;
+        for unfinished in files::names(&store.chunk_folder())?.iter().filter_map(|name| files::to_become(name)) {
+            if chunk_of(&unfinished).is_some_and(|chunk| store.shard.owns(chunk)) {
+                files::remove_unfinished(&store.chunk_folder().join(unfinished))?;
+            }
         }
         Ok(store)
     }
@@ -102,11 +132,12 @@ impl Store {
     /// There is no study, or it cannot be read.
     pub fn read(folder: &Path) -> Result<Self, Error> {
         fs::read_dir(folder).map_err(|error| Error::io(folder, &error))?;
-        let Some(manifest) = Manifest::read(folder)? else {
-            let problem = format!("holds no study: expected a file {} in it", manifest::NAME);
+        let Some(manifest) = Manifest::read(folder, Kind::Study)? else {
+            let problem = format!("holds no study: expected a file {} in it", Kind::Study.file());
             return Err(Error::invalid(folder.display().to_string(), problem));
         };
-        Ok(Self { folder: folder.to_owned(), manifest, shard: Shard::WHOLE, lock: None })
+        let size = shard::chunk_size(manifest.total);
+        Ok(Self { folder: folder.to_owned(), manifest, size, shard: Shard::WHOLE, lock: None })
     }
 
     /// The study, as it was given.
@@ -124,6 +155,11 @@ impl Store {
         self.manifest.hash
     }
 
+    /// How many candidates a tuning tries; none of a study.
+    pub fn budget(&self) -> Option<u64> {
+        self.manifest.budget
+    }
+
     /// The number of records in the whole study.
     pub fn total(&self) -> u64 {
         self.manifest.total
@@ -131,12 +167,12 @@ impl Store {
 
     /// The number of chunks in the whole study.
     pub fn number_of_chunks(&self) -> u64 {
-        shard::chunks(self.total())
+        self.total().div_ceil(self.size)
     }
 
     /// The indices of the records in `chunk`.
     pub fn range(&self, chunk: u64) -> Range<u64> {
-        shard::range(chunk, self.total())
+        shard::range(chunk, self.size, self.total())
     }
 
     /// The chunks of this store's shard.
@@ -145,22 +181,22 @@ impl Store {
     }
 
     /// Checks that the disk has room for what this shard has still to do, at `bytes_per_record` (of JSON, with its end
-    /// of line). Quick however many records there are to be; so it comes before [`Store::survey`].
+    /// of line), and for so many bytes `besides`. Quick however many records there are to be; so it comes before
+    /// [`Store::survey`].
     ///
     /// # Errors
     /// It has not, or does not tell.
-    pub fn check_space(&self, bytes_per_record: u64) -> Result<(), Error> {
+    pub fn check_space(&self, bytes_per_record: u64, besides: u64) -> Result<(), Error> {
         let records = self.range(0).end.saturating_mul(bytes_per_record);
         let per_chunk = on_disk(records.saturating_add(chunk::HEADER_BYTES));
-        let needed = self.shard.size(self.number_of_chunks()).saturating_mul(per_chunk);
-        let there = self.own_files()?.iter().map(|(_, bytes)| on_disk(*bytes)).sum();
-        let needed = needed.saturating_sub(there);
+        let missing = self.shard.size(self.number_of_chunks()).saturating_sub(self.own_files()?.len() as u64);
+        let needed = missing.saturating_mul(per_chunk).saturating_add(besides);
         let free = fs4::available_space(&self.folder).map_err(|error| Error::io(&self.folder, &error))?;
         if needed <= free {
             return Ok(());
         }
         let problem = format!(
-            "the records still to come need about {}, and the disk has {} free: \
+            "what is still to be written needs about {}, and the disk has {} free: \
              choose a folder on another disk, fewer records, or shards on several disks",
             in_words(needed),
             in_words(free)
@@ -182,6 +218,37 @@ impl Store {
     /// A file is there and cannot be read.
     pub fn is_complete(&self) -> Result<bool, Error> {
         Ok(self.survey_of(0..self.number_of_chunks())?.missing.is_empty())
+    }
+
+    /// The records that the chunks with a file hold, and those chunks that are no good.
+    ///
+    /// # Errors
+    /// A file is there and cannot be read.
+    pub fn kept(&self) -> Result<(u64, Vec<Damaged>), Error> {
+        let chunks = self.own_files()?;
+        let survey = self.survey_of(chunks.iter().copied())?;
+        let sound = (chunks.len() - survey.damaged.len()) as u64;
+        Ok((sound * self.size, survey.damaged))
+    }
+
+    /// The records of `chunk`; none where it is not there, damaged, or of other records than `T`.
+    ///
+    /// # Errors
+    /// The file is there and cannot be read.
+    pub fn chunk<T: DeserializeOwned>(&self, chunk: u64) -> Result<Option<Vec<T>>, Error> {
+        let Found::Sound(bytes) = self.find(chunk)? else { return Ok(None) };
+        let records = chunk::verify(&self.place(chunk), &bytes).and_then(chunk::decode);
+        Ok(records.ok())
+    }
+
+    /// Forgets what the folder is for, so that it can be for another: where nothing came of it.
+    ///
+    /// # Errors
+    /// The folder cannot be written.
+    pub fn abandon(self) -> Result<(), Error> {
+        let path = self.folder.join(self.manifest.kind.file());
+        let removed = fs::remove_dir_all(self.chunk_folder()).and_then(|()| fs::remove_file(&path));
+        removed.map_err(|error| Error::io(path, &error))
     }
 
     fn survey_of(&self, chunks: impl Iterator<Item = u64>) -> Result<Survey, Error> {
@@ -271,28 +338,30 @@ impl Store {
         self.chunk_folder().join(format!("{chunk:06}.jsonl"))
     }
 
-    /// The chunks of this shard that have a file, finished or not, and the file's bytes.
-    fn own_files(&self) -> Result<Vec<(u64, u64)>, Error> {
+    /// The chunks of this shard that have a file.
+    fn own_files(&self) -> Result<Vec<u64>, Error> {
         let names = files::names(&self.chunk_folder())?;
-        let sized = names.iter().filter_map(|name| {
-            let chunk = files::finished(name).strip_suffix(".jsonl")?.parse().ok()?;
-            let bytes = fs::metadata(self.chunk_folder().join(name)).map_or(0, |file| file.len());
-            self.shard.owns(chunk).then_some((chunk, bytes))
-        });
-        Ok(sized.collect())
+        Ok(names.iter().filter_map(|name| chunk_of(name)).filter(|&chunk| self.shard.owns(chunk)).collect())
     }
 }
 
-/// Makes `folder`, which must be empty or hold a study.
-fn make_folder(folder: &Path) -> Result<(), Error> {
+/// The chunk whose file has this name.
+fn chunk_of(name: &str) -> Option<u64> {
+    name.strip_suffix(".jsonl")?.parse().ok()
+}
+
+/// Makes `folder`, which must be empty or hold one of this kind.
+fn make_folder(folder: &Path, kind: Kind) -> Result<(), Error> {
     fs::create_dir_all(folder).map_err(|error| match folder.is_file() {
         true => Error::Io { path: folder.to_owned(), problem: "is a file, expected a folder".to_owned() },
         false => Error::io(folder, &error),
     })?;
-    let ours = |name: &str| lock::is_lock(name) || files::finished(name) == manifest::NAME;
+    let file = kind.file();
+    let ours =
+        |name: &str| lock::is_lock(name) || name == file || files::to_become(name).is_some_and(|name| name == file);
     match files::names(folder)?.iter().find(|name| !ours(name)) {
-        Some(name) if !folder.join(manifest::NAME).exists() => {
-            let problem = format!("holds files ({name}) and no study: expected a new or empty folder");
+        Some(name) if !folder.join(&file).exists() => {
+            let problem = format!("holds files ({name}) and no {}: expected a new or empty folder", kind.name());
             Err(Error::invalid(folder.display().to_string(), problem))
         }
         _ => Ok(()),

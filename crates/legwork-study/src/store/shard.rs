@@ -61,19 +61,13 @@ impl fmt::Display for Shard {
 }
 
 /// Records in a full chunk, of `total` in all: enough chunks for even work, and not too many files.
-fn chunk_size(total: u64) -> u64 {
+pub(super) fn chunk_size(total: u64) -> u64 {
     total.div_ceil(128).clamp(1, 64)
 }
 
-/// The number of chunks that `total` records are cut into.
-pub(super) fn chunks(total: u64) -> u64 {
-    total.div_ceil(chunk_size(total))
-}
-
-/// The indices of the records in `chunk`, of `total` records in all.
-pub(super) fn range(chunk: u64, total: u64) -> Range<u64> {
-    let size = chunk_size(total);
-    chunk * size..(chunk + 1).saturating_mul(size).min(total)
+/// The indices of the records in `chunk` where a full one has `size`, of `total` records in all.
+pub(super) fn range(chunk: u64, size: u64, total: u64) -> Range<u64> {
+    chunk.saturating_mul(size).min(total)..(chunk + 1).saturating_mul(size).min(total)
 }
 
 #[cfg(test)]
@@ -83,17 +77,19 @@ mod tests {
     #[test]
     fn every_record_is_in_one_chunk_and_every_chunk_in_one_shard() {
         for total in [0, 1, 2, 127, 128, 129, 1000, 8191, 8192, 8193, 100_000] {
-            let ranges: Vec<_> = (0..chunks(total)).map(|chunk| range(chunk, total)).collect();
+            let size = chunk_size(total);
+            let chunks = total.div_ceil(size);
+            let ranges: Vec<_> = (0..chunks).map(|chunk| range(chunk, size, total)).collect();
             assert!(ranges.iter().all(|range| (1..=64).contains(&(range.end - range.start))), "{total}: {ranges:?}");
             assert!(ranges.iter().flat_map(Range::clone).eq(0..total), "{total}");
             for of in [1, 2, 3, 7, 200] {
                 let shards = (1..=of).map(|index| Shard { index, of });
-                let mut owned: Vec<u64> = shards.clone().flat_map(|shard| shard.of(chunks(total))).collect();
+                let mut owned: Vec<u64> = shards.clone().flat_map(|shard| shard.of(chunks)).collect();
                 owned.sort_unstable();
-                assert!(owned.into_iter().eq(0..chunks(total)), "{total} in {of}");
+                assert!(owned.into_iter().eq(0..chunks), "{total} in {of}");
                 for shard in shards {
-                    assert!(shard.of(chunks(total)).all(|chunk| shard.owns(chunk)), "{shard}");
-                    assert_eq!(shard.of(chunks(total)).count() as u64, shard.size(chunks(total)), "{shard}");
+                    assert!(shard.of(chunks).all(|chunk| shard.owns(chunk)), "{shard}");
+                    assert_eq!(shard.of(chunks).count() as u64, shard.size(chunks), "{shard}");
                 }
             }
         }

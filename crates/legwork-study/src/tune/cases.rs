@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use toml::{Spanned, Table, Value};
+use toml::Spanned;
 
 use super::file::{CaseEntry, check_positive};
-use crate::file::Source;
+use crate::file::{Source, leaves};
 use crate::{Base, Change, Factor, Level, Rollout, Variant, rollout};
 use legwork::error::Error;
 use legwork::library;
@@ -121,7 +121,8 @@ impl Reader<'_> {
         let weight = entry.weight.unwrap_or(1.0);
         check_positive("weight", weight)?;
         let base = self.base(entry)?;
-        let mut changes: Vec<_> = leaves(&entry.set).map(|(path, value)| (path, Change::To(value))).collect();
+        let mut changes: Vec<_> =
+            leaves(&entry.set).into_iter().map(|(path, value)| (path, Change::To(value))).collect();
         for (path, value) in leaves(&entry.scale) {
             let factor = value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64));
             let Some(factor) = factor.filter(|factor| factor.is_finite()) else {
@@ -158,16 +159,6 @@ impl Reader<'_> {
         self.families.push(Family { extends: entry.scenario.clone(), base: base.clone() });
         Ok(base)
     }
-}
-
-/// The values of nested tables with their paths: `set.ground.friction = 0.5` means the same as
-/// `set = { "ground.friction" = 0.5 }`.
-fn leaves(table: &Table) -> impl Iterator<Item = (String, Value)> {
-    let below = |(key, value): (&String, &Value)| match value {
-        Value::Table(inner) => leaves(inner).map(|(path, value)| (format!("{key}.{path}"), value)).collect(),
-        value => vec![(key.clone(), value.clone())],
-    };
-    table.iter().map(below).collect::<Vec<_>>().into_iter().flatten()
 }
 
 /// A name for a case that has none.

@@ -21,6 +21,8 @@ pub(super) struct TuningFile {
     description: String,
     #[serde(default)]
     seed: u64,
+    /// Kept beside the text of a tuning, for it may change.
+    #[serde(skip_serializing)]
     budget: Spanned<i64>,
     population: Option<Spanned<i64>>,
     sigma: Option<Spanned<f64>>,

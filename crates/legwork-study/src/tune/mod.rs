@@ -15,6 +15,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
+use serde::{Deserialize, Serialize};
 use toml::Value;
 
 pub use aims::{Bound, Constraint, Term};
@@ -24,6 +25,8 @@ pub use search::{Generation, Settings, Stop, Trial};
 
 use crate::parallel::run_all;
 use crate::rollout::Column;
+use crate::store::Store;
+use crate::ties;
 use crate::{Change, Factor, Level, Rollout};
 use legwork::error::Error;
 use legwork::library::{self, Kind};
@@ -56,7 +59,17 @@ pub struct Tuning {
     pub objective: Vec<Term>,
     /// What must be kept.
     pub constraints: Vec<Constraint>,
+    /// Its file without the budget.
     text: String,
+}
+
+/// A candidate in a folder.
+#[derive(Deserialize, Serialize)]
+struct Candidate {
+    /// The level of each factor.
+    levels: Vec<f64>,
+    /// One a training case.
+    rollouts: Vec<Rollout>,
 }
 
 /// What a tuning found.
@@ -94,11 +107,11 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// A figure of both runs, and the tuned one's as a multiple of the base's; none where a run fell or lacks it.
+    /// A figure of both runs, and the tuned one's as a multiple of the base's, 1 where they are equal but for rounding; none where a run fell or lacks it.
     pub fn figure(&self, column: usize) -> Option<(f64, f64, f64)> {
         let of = |rollout: &Rollout| rollout.figures.get(column).copied().flatten().filter(|_| rollout.survived());
         let (base, tuned) = (of(&self.base)?, of(&self.tuned)?);
-        Some((base, tuned, if base == 0.0 && tuned == 0.0 { 1.0 } else { tuned / base })).filter(|f| f.2.is_finite())
+        Some((base, tuned, if ties::are_equal(base, tuned) { 1.0 } else { tuned / base })).filter(|f| f.2.is_finite())
     }
 }
 
@@ -121,8 +134,34 @@ impl Tuning {
     }
 
     /// It as a file that can be run again from any folder.
-    pub fn to_toml(&self) -> &str {
-        &self.text
+    pub fn to_toml(&self) -> String {
+        format!("budget = {}\n{}", self.settings.budget, self.text)
+    }
+
+    /// Opens its folder, which keeps the candidates that are tried, generation by generation. The budget becomes the one
+    /// given, or else that of the folder, or else stays that of the file; the folder keeps it.
+    ///
+    /// # Errors
+    /// As [`Store::open`].
+    pub fn open(&mut self, folder: &Path, budget: Option<u64>) -> Result<Store, Error> {
+        let (own, size) = (self.settings.budget, self.settings.generation(self.factors.len()));
+        let of = |kept: Option<u64>| budget.or(kept).unwrap_or(own);
+        let store = Store::open_tuning(folder, &self.text, self.identity(), size, of)?;
+        self.settings.budget = store.budget().unwrap_or(own);
+        Ok(store)
+    }
+
+    /// What identifies its results but for the budget: the tuning and all that it names, and the figures of this version.
+    fn identity(&self) -> u128 {
+        let mut hasher = xxhash_rust::xxh3::Xxh3::new();
+        hasher.update(self.text.as_bytes());
+        for case in self.training.iter().chain(&self.held_out) {
+            hasher.update(&case.variant().input_hash().to_le_bytes());
+        }
+        for Column { name, unit, .. } in &self.columns {
+            hasher.update(format!("\n{name} [{unit}]").as_bytes());
+        }
+        hasher.digest128()
     }
 
     /// How many rollouts it makes at most.
@@ -130,30 +169,53 @@ impl Tuning {
         (1 + self.settings.budget) * self.training.len() as u64 + 2 * self.held_out.len() as u64
     }
 
-    /// Searches, and tries what it finds in the held-out cases. `told` hears how many rollouts are done; threads may
+    /// Searches, and tries what it finds in the held-out cases. Whole generations are kept in the `store` that
+    /// [`Tuning::open`] gave, and what it has already is not run again. `told` hears how many rollouts are done; threads may
     /// tell it out of order. When `stop` says so, no rollout is begun any more, and the best so far is the result; none
     /// where the base was not run yet.
     ///
     /// # Errors
-    /// Objective or constraints compare with figures that the scenarios as they stand do not have.
-    pub fn run(&self, told: impl Fn(u64) + Sync, stop: impl Fn() -> bool + Sync) -> Result<Option<Tuned>, Error> {
+    /// Objective or constraints compare with figures that the scenarios as they stand do not have; the store cannot be read
+    /// or written.
+    pub fn run(
+        &self,
+        store: Option<&Store>,
+        told: impl Fn(u64) + Sync,
+        stop: impl Fn() -> bool + Sync,
+    ) -> Result<Option<Tuned>, Error> {
         let done = AtomicU64::new(0);
         let counted = |run: &dyn Fn() -> Rollout| (!stop()).then(run).inspect(|_| told(done.fetch_add(1, Relaxed) + 1));
         let training = &self.training;
         let Some(base) = run_all(training.len(), |case| counted(&|| training[case].run())) else { return Ok(None) };
         let judge = Judge::new(training, &self.columns, &self.objective, &self.constraints, &base)?;
         let base = Trial { score: judge.score(&base), rollouts: base };
+        let mut generations = 0..;
         let evaluate = |points: &[Vec<f64>]| {
             let levels: Vec<Vec<f64>> = points.iter().map(|point| self.levels(point)).collect();
-            let run = |index: usize| {
-                let (candidate, case) = (index / training.len(), &training[index % training.len()]);
-                Some(counted(&|| case.run_at(&self.factors, &levels[candidate])))
+            let generation = generations.next().expect("there is no end of them");
+            let runs = (levels.len() * training.len()) as u64;
+            let trials = match self.kept(store, generation, &levels)? {
+                Some(kept) => {
+                    told(done.fetch_add(runs, Relaxed) + runs);
+                    kept.into_iter().map(Some).collect()
+                }
+                None => {
+                    let run = |index: usize| {
+                        let (candidate, case) = (index / training.len(), &training[index % training.len()]);
+                        Some(counted(&|| case.run_at(&self.factors, &levels[candidate])))
+                    };
+                    let rollouts = run_all(runs as usize, run).unwrap_or_default();
+                    let tried: Vec<Option<Vec<Rollout>>> =
+                        rollouts.chunks(training.len()).map(|rollouts| rollouts.iter().cloned().collect()).collect();
+                    self.keep(store, generation, levels, &tried)?;
+                    tried
+                }
             };
-            let rollouts = run_all(points.len() * training.len(), run).unwrap_or_default();
-            rollouts.chunks(training.len()).map(|rollouts| trial(&judge, rollouts)).collect()
+            let trial = |rollouts: Vec<Rollout>| Trial { score: judge.score(&rollouts), rollouts };
+            Ok(trials.into_iter().map(|rollouts| rollouts.map(trial)).collect())
         };
         let start: Vec<f64> = self.factors.iter().zip(&self.own).map(|(f, &own)| factors::share(f, own)).collect();
-        let found = search(&start, base.clone(), &self.settings, evaluate);
+        let found = search(&start, base.clone(), &self.settings, evaluate)?;
         let levels = found.point.as_ref().map_or_else(|| self.own.clone(), |point| self.levels(point));
         let held_out = |case: usize| {
             let case = &self.held_out[case];
@@ -171,6 +233,41 @@ impl Tuning {
             evaluations: found.evaluations,
             why: found.why,
         }))
+    }
+
+    /// The rollouts of the candidates with these `levels`, where the store has them; the budget may end a generation before
+    /// its last one.
+    fn kept(
+        &self,
+        store: Option<&Store>,
+        generation: u64,
+        levels: &[Vec<f64>],
+    ) -> Result<Option<Vec<Vec<Rollout>>>, Error> {
+        let Some(store) = store else { return Ok(None) };
+        let mut kept: Vec<Candidate> = store.chunk(generation)?.unwrap_or_default();
+        kept.truncate(levels.len());
+        let is_it = |(candidate, levels): (&Candidate, &Vec<f64>)| {
+            candidate.levels == *levels && candidate.rollouts.len() == self.training.len()
+        };
+        let are_all = kept.len() == levels.len() && kept.iter().zip(levels).all(is_it);
+        Ok(are_all.then(|| kept.into_iter().map(|candidate| candidate.rollouts).collect()))
+    }
+
+    /// Keeps a generation that is whole.
+    fn keep(
+        &self,
+        store: Option<&Store>,
+        generation: u64,
+        levels: Vec<Vec<f64>>,
+        tried: &[Option<Vec<Rollout>>],
+    ) -> Result<(), Error> {
+        let is_whole = levels.len() as u64 == self.settings.generation(self.factors.len());
+        let candidates = levels.into_iter().zip(tried);
+        let candidates = candidates.map(|(levels, rollouts)| Some(Candidate { levels, rollouts: rollouts.clone()? }));
+        match (store, candidates.collect::<Option<Vec<_>>>()) {
+            (Some(store), Some(candidates)) if is_whole => store.write(generation, &candidates),
+            _ => Ok(()),
+        }
     }
 
     /// The levels at a point of the unit cube.
@@ -230,11 +327,6 @@ impl Tuning {
         }
         file
     }
-}
-
-fn trial(judge: &Judge, rollouts: &[Option<Rollout>]) -> Option<Trial> {
-    let rollouts: Vec<Rollout> = rollouts.iter().cloned().collect::<Option<_>>()?;
-    Some(Trial { score: judge.score(&rollouts), rollouts })
 }
 
 fn comparison((case, base, tuned): (&Case, Rollout, Rollout)) -> Comparison {

@@ -8,14 +8,9 @@ use serde::Serialize;
 
 use super::{Bound, Case, Constraint, Term};
 use crate::rollout::Column;
+use crate::ties;
 use crate::{Ending, Rollout};
 use legwork::error::Error;
-
-/// A figure of the base that is less than this is nothing that others could be relative to.
-const NOTHING: f64 = 1e-12;
-
-/// A bound is kept where it is exceeded by no more than this share: a torque at its limit is at it but for rounding.
-const TOLERANCE: f64 = 1e-6;
 
 /// What a candidate is worth; the lesser is the better one.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
@@ -40,6 +35,17 @@ impl Score {
             Self::Violating(excess) => 1.0 + squashed(excess),
             Self::Falling(falls) => 2.0 + falls,
         }
+    }
+
+    /// Whether it is better than `other`, by more than rounding ([`ties`]).
+    pub fn beats(self, other: Self) -> bool {
+        let are_equal = match (self, other) {
+            (Self::Feasible(a), Self::Feasible(b))
+            | (Self::Violating(a), Self::Violating(b))
+            | (Self::Falling(a), Self::Falling(b)) => ties::are_equal(a, b),
+            _ => false,
+        };
+        self < other && !are_equal
     }
 
     /// The objective, where all is well.
@@ -121,7 +127,7 @@ impl Judge {
         let figure = |part: &Part| rollouts[part.case].figures.get(part.column).copied().flatten();
         let beyond = |bound: &Part, side: f64| {
             let excess = figure(bound).map_or(1.0, |figure| side * (figure / bound.number - 1.0));
-            if excess > TOLERANCE { excess } else { 0.0 }
+            if excess > ties::SHARE { excess } else { 0.0 }
         };
         let missing = self.parts.iter().filter(|part| figure(part).is_none()).count();
         let above: f64 = self.highest.iter().map(|bound| beyond(bound, 1.0)).sum();
@@ -158,7 +164,7 @@ impl Term {
                     let hint = "name the cases that have it with cases or scenarios";
                     return wrong(format!("the case \"{}\" has no {name} as it stands; {hint}", cases[case].name));
                 }
-                Some(figure) if figure < NOTHING => {
+                Some(figure) if figure < ties::NOTHING => {
                     let problem = "nothing can be relative to it";
                     return wrong(format!(
                         "{name} of the case \"{}\" is {figure} as it stands; {problem}",
@@ -197,6 +203,10 @@ mod tests {
         ];
         for pair in ordered.windows(2) {
             assert!(pair[0] < pair[1] && pair[0].cost() < pair[1].cost(), "{pair:?}");
+        }
+        assert!(Score::Feasible(0.5).beats(Score::Feasible(0.5 * (1.0 + 2e-7))));
+        for score in [Score::Feasible, Score::Violating, Score::Falling] {
+            assert!(!score(1.0 - 1e-9).beats(score(1.0)), "rounding is no better");
         }
         assert!(Score::Feasible(f64::INFINITY).cost() <= Score::Violating(0.0).cost());
     }
