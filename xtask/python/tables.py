@@ -65,7 +65,7 @@ metric = "torque_nm.mean"
 """
 
 # Columns of whole numbers, and those that hold texts; all others hold doubles.
-COUNTS = {"rollouts", "ticks", "evaluations", "feasible"}
+COUNTS = {"rollouts", "ticks", "evaluations", "feasible", "doubtful"}
 FLAG = {"true": True, "false": False}
 TEXTS = {
     "scenario", "ending", "cause", "reason", "violations", "input_hash", "result_hash", "controller.form",

@@ -3,6 +3,7 @@
 mod bench_peers;
 mod browser;
 mod count_instructions;
+mod mutants;
 mod tables;
 mod wasm;
 
@@ -12,23 +13,30 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 
 const USAGE: &str =
-    "usage: cargo xtask test | count-instructions [--write] | bench-peers [--quick] [--only GROUPS] | tables | wasm [--debian]
+    "usage: cargo xtask TASK, which is one of
 
   test                 format, lint, documentation, all Rust tests and doc tests, tables read by pandas, pyarrow, polars
                        and duckdb (installed below target/python), the report in a real browser, runs in WebAssembly,
                        and the instructions; ends with the sum alone on a line
-  count-instructions   the instructions of tick, step, solve and dynamics beside those of bench/instructions.toml;
+  count-instructions [--write]
+                       the instructions of tick, step, solve and dynamics beside those of bench/instructions.toml;
                        with --write they become those
-  bench-peers          ours beside other people's programs, which it installs below target/peers; writes
+  mutants [--share N] [GROUP...]
+                       puts faults into the code, one at a time, and says how many the tests notice and which they do not; of
+                       N faults one with --share N; groups are dynamics, program, planner, generator, simulator, metrics,
+                       balance
+  bench-peers [--quick] [--only GROUPS]
+                       ours beside other people's programs, which it installs below target/peers; writes
                        docs/performance.md
   tables               reads what legwork writes with pandas, pyarrow, polars and duckdb
-  wasm                 builds controller, simulator and run for WebAssembly and compares the bits of runs in Node with
+  wasm [--debian]      builds controller, simulator and run for WebAssembly and compares the bits of runs in Node with
                        the native ones; --debian takes Debian's compiler, which it unpacks below target/wasm";
 
 fn main() -> ExitCode {
     match env::args().nth(1).as_deref() {
         Some("test") => test(),
         Some("count-instructions") => count_instructions::run(&env::args().skip(2).collect::<Vec<_>>()),
+        Some("mutants") => mutants::run(&env::args().skip(2).collect::<Vec<_>>()),
         Some("bench-peers") => bench_peers::run(&env::args().skip(2).collect::<Vec<String>>()),
         Some("tables") => {
             let mut sum = Sum::default();

@@ -37,7 +37,6 @@ impl Unfinished {
             let problem = "another run writes this file: wait for its end, or give another name".to_owned();
             return Err(Error::Io { path: path.to_owned(), problem });
         }
-        claim.set_len(0).map_err(failed)?;
         Ok(Self { path: path.to_owned(), written, is_finished: false, _claim: claim })
     }
 

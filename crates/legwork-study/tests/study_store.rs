@@ -361,7 +361,7 @@ fn a_full_disk_stops_the_others_names_the_file_and_keeps_what_is_done() {
     let folder = temp.path("a");
     let store = open(&folder, None).unwrap();
     let begun = AtomicU64::new(0);
-    std::os::unix::fs::symlink("/dev/full", folder.join("chunks/000003.jsonl.tmp")).unwrap();
+    std::os::unix::fs::symlink("/dev/full", folder.join("chunks/.000003.unfinished.jsonl")).unwrap();
     let job = |index| {
         begun.fetch_add(1, Relaxed);
         Some(record(index))
@@ -372,7 +372,7 @@ fn a_full_disk_stops_the_others_names_the_file_and_keeps_what_is_done() {
     assert!(says(failed, &["000003.jsonl", "No space left on device"]).is_io());
     assert_eq!(begun.into_inner(), 4 * 8, "nothing is begun after it");
     assert_eq!(store.survey().unwrap().missing, (3..CHUNKS).collect::<Vec<_>>());
-    assert!(!folder.join("chunks/000003.jsonl.tmp").is_symlink(), "what was half written takes no room");
+    assert!(!folder.join("chunks/.000003.unfinished.jsonl").is_symlink(), "what was half written takes no room");
     drop(store);
     assert!(whole(&folder) == expected);
 }

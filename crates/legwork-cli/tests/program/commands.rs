@@ -87,7 +87,7 @@ fn states() {
         folder.refuses(2, &inspect, &words);
     }
     folder.file("state.json", b"{\"q\": \xff}");
-    folder.refuses(2, &inspect, &["state.json:1:", "not JSON"]);
+    folder.refuses(2, &inspect, &["state.json: not UTF-8 text", "found the byte 0xff in line 1, column 7"]);
 
     let floating = "name = \"a\"\nbase = \"floating\"\nbodies = [{ name = \"b\", mass_kg = 1, \
                     inertia_kgm2 = { xx = 1, yy = 1, zz = 1 } }]\n";

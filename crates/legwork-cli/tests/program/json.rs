@@ -95,6 +95,40 @@ fn contract() -> Value {
     })
 }
 
+/// No key holds the value of another: each figure of the books is that of the same run in the library.
+#[test]
+fn every_figure_of_the_audit_is_the_runs() {
+    let line = &Folder::new("audit").json(&["run", "push", "--duration", "2", "--json"])[0];
+    let loaded = legwork::scenario_file::load("push", &["duration_s=2".to_owned()]).unwrap();
+    let run = legwork::episode::run(&loaded.scenario, &loaded.model().unwrap(), &[], |_| false).unwrap();
+    let audit = run.audit.unwrap();
+    let figures = [
+        ("energy_error_j", audit.energy_error_j),
+        ("work_j", audit.work_j),
+        ("contact_loss_j", audit.contact_loss_j),
+        ("contact_gain_j", audit.contact_gain_j),
+        ("momentum_error_mps", audit.momentum_error_mps),
+        ("penetration_m", audit.penetration_m),
+        ("friction_excess_n", audit.friction_excess_n),
+        ("friction_angle_deg", audit.friction_angle_deg),
+        ("pull_n", audit.pull_n),
+        ("slip_m", audit.slip_m),
+        ("contact_sweeps_max", f64::from(audit.contact_sweeps)),
+        ("contact_residual_n", audit.contact_residual_n),
+    ];
+    for (key, value) in figures {
+        assert_eq!(line["audit"][key].as_f64(), Some(value), "{key}");
+    }
+    assert_eq!(line["audit"].as_object().unwrap().len(), figures.len() + 1, "and the violations");
+    assert!(audit.contact_loss_j > 1.0 && audit.slip_m > 0.0, "figures that are zero tell nothing");
+    let program = &run.program;
+    let counts = [("solves", program.solves), ("infeasible", program.infeasible), ("fallbacks", program.fallbacks)];
+    for (key, count) in counts {
+        assert_eq!(line["qp"][key].as_u64(), Some(count), "{key}");
+    }
+    assert_eq!(line["result_hash"], format!("{:032x}", run.result_hash));
+}
+
 #[test]
 fn a_line_a_scenario_with_every_key() {
     let folder = Folder::new("contract");

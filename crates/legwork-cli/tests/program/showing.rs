@@ -86,7 +86,7 @@ fn the_overview_fits_a_screen_and_says_how_to_see_more() {
     assert_eq!(names(&walks["scenarios"]), ["walk"]);
     let refused = folder.legwork(&["list", "settings", "controler"]);
     assert_eq!(refused.code, 2);
-    assert!(refused.err.contains("'controler'") && refused.err.contains("controller.weights"), "{}", refused.err);
+    assert!(refused.err.contains("\"controler\"") && refused.err.contains("controller.weights"), "{}", refused.err);
 }
 
 #[test]
