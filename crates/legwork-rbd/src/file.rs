@@ -68,7 +68,7 @@ pub fn read_text(path: &Path, most: u64) -> Result<String, Unread> {
 pub fn text(mut bytes: Vec<u8>) -> Result<String, Unread> {
     let is_utf_16 = match bytes[..] {
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => true,
-        [first, second, ..] => bytes.len() % 2 == 0 && (first == 0) != (second == 0),
+        [first, second, ..] => bytes.len().is_multiple_of(2) && (first == 0) != (second == 0),
         _ => false,
     };
     if is_utf_16 {
