@@ -118,6 +118,11 @@ fn rust_tests(sum: &mut Sum) {
     counted(cargo(&["test", "--workspace", "--release", "--no-fail-fast"], &[]), "the tests", sum);
 }
 
+/// Whether a command ends well; what it says on stdout is not shown.
+pub(crate) fn succeeds(command: &mut Command) -> bool {
+    command.stdin(Stdio::null()).stdout(Stdio::null()).status().is_ok_and(|status| status.success())
+}
+
 /// Runs a command whose lines `test result: ... 12 passed; 3 failed` are counted; `name` is "the tests".
 pub(crate) fn counted(mut command: Command, name: &str, sum: &mut Sum) {
     let mut child = match command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn() {

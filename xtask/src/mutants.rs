@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, ExitCode, Stdio};
 
-use crate::{cargo, root, say};
+use crate::{cargo, root, say, succeeds};
 
 const VERSION: &str = "27.0.0";
 
@@ -118,7 +118,7 @@ fn program() -> Result<PathBuf, String> {
     if !program.exists() {
         say("installing cargo-mutants, which takes some minutes");
         let mut install = cargo(&["install", "cargo-mutants", "--version", VERSION, "--locked", "--root"], &[]);
-        if !install.arg(&folder).stdin(Stdio::null()).status().is_ok_and(|status| status.success()) {
+        if !succeeds(install.arg(&folder)) {
             return Err("cargo install cannot install cargo-mutants".to_owned());
         }
     }

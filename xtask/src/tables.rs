@@ -2,9 +2,9 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
-use crate::{Sum, cargo, counted, root, say};
+use crate::{Sum, cargo, counted, root, say, succeeds};
 
 /// Installs the libraries where they are not there yet, and runs the tests.
 pub(crate) fn test(sum: &mut Sum) {
@@ -12,8 +12,8 @@ pub(crate) fn test(sum: &mut Sum) {
         Ok(python) => python,
         Err(problem) => return sum.count(&format!("the libraries that read tables: {problem}"), false),
     };
-    let built = cargo(&["build", "--release", "--quiet", "--package", "legwork-cli"], &[]);
-    if !succeeds(built) {
+    let mut built = cargo(&["build", "--release", "--quiet", "--package", "legwork-cli"], &[]);
+    if !succeeds(&mut built) {
         return sum.count("the program that writes tables can be built", false);
     }
     let mut tests = Command::new(python);
@@ -33,12 +33,12 @@ fn environment() -> Result<PathBuf, String> {
     say("installing the packages of xtask/python/requirements.txt, which takes some minutes");
     let mut venv = Command::new("python3");
     venv.args(["-m", "venv"]).arg(&folder);
-    if !succeeds(venv) {
+    if !succeeds(&mut venv) {
         return Err("python3 -m venv fails; it needs Python 3.11 or later with its module venv".to_owned());
     }
     let mut pip = Command::new(&python);
     pip.args(["-m", "pip", "install", "--quiet", "--only-binary", ":all:", "-r"]).arg(&requirements);
-    if !succeeds(pip) {
+    if !succeeds(&mut pip) {
         return Err("pip cannot install the packages of xtask/python/requirements.txt".to_owned());
     }
     fs::write(&installed, wanted).map_err(|error| format!("{}: {error}", installed.display()))?;
@@ -47,8 +47,4 @@ fn environment() -> Result<PathBuf, String> {
 
 fn read(path: &Path) -> Result<String, String> {
     fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
-}
-
-fn succeeds(mut command: Command) -> bool {
-    command.stdin(Stdio::null()).stdout(Stdio::null()).status().is_ok_and(|status| status.success())
 }

@@ -33,6 +33,14 @@ impl Failure {
         Self::Output { path: path.into(), problem: problem.to_string() }
     }
 
+    /// Why the file at `path` was not written.
+    pub(crate) fn unwritten(path: &Path, error: Error) -> Self {
+        match error {
+            Error::Io { problem, .. } => Self::output(path, problem),
+            other => Self::Input(other),
+        }
+    }
+
     /// 1 where the operating system is at fault, else 2.
     pub(crate) fn code(&self) -> u8 {
         match self {
@@ -138,10 +146,7 @@ pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
 /// Has `write` make the file at `path`: under another name beside it, which takes its place once all is written, so
 /// that a failure harms nothing. A device or a pipe is written to directly.
 pub(crate) fn write_file(path: &Path, write: impl FnOnce(&Path) -> Result<(), Error>) -> Result<(), Failure> {
-    let failed = |error: Error| match error {
-        Error::Io { problem, .. } => Failure::output(path, problem),
-        other => Failure::Input(other),
-    };
+    let failed = |error| Failure::unwritten(path, error);
     if path.metadata().is_ok_and(|found| !found.is_file()) {
         return write(path).map_err(failed);
     }

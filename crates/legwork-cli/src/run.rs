@@ -38,7 +38,7 @@ pub(crate) fn run(options: &RunArgs, output: &mut Output) -> Result<ExitCode, Fa
             warn(&format!("{}: {passed}", run.scenario.name));
         }
         if let (Some(path), Some(error)) = (&job.log, without_log) {
-            return Err(without_log_at(path, error));
+            return Err(Failure::unwritten(path, error));
         }
         job.write_files(&run, log, options)?;
         fell |= matches!(run.outcome, Outcome::Fell(_));
@@ -239,13 +239,5 @@ impl Job {
             run.to_mut().scenario.name.clone_from(&self.label);
         }
         run
-    }
-}
-
-/// The failure of the log at `path`.
-fn without_log_at(path: &Path, error: Error) -> Failure {
-    match error {
-        Error::Io { problem, .. } => Failure::output(path, problem),
-        other => other.into(),
     }
 }

@@ -87,6 +87,25 @@ pub fn text(mut bytes: Vec<u8>) -> Result<String, Unread> {
     })
 }
 
+/// Where the lines of a text begin.
+#[derive(Clone, Debug)]
+pub struct Lines {
+    /// Of those after the first.
+    begins: Vec<usize>,
+}
+
+impl Lines {
+    /// Those of `text`.
+    pub fn of(text: &str) -> Self {
+        Self { begins: text.match_indices('\n').map(|(at, _)| at + 1).collect() }
+    }
+
+    /// The line, from one, of the byte at `offset`.
+    pub fn line(&self, offset: usize) -> usize {
+        1 + self.begins.partition_point(|begin| *begin <= offset)
+    }
+}
+
 /// Refuses what may have no end, or never begin.
 #[cfg_attr(not(unix), expect(unused_variables, reason = "pipes with names are of Unix"))]
 fn refuse(kind: FileType, path: &Path) -> Result<(), Unread> {
@@ -147,6 +166,16 @@ mod tests {
         assert_eq!(refusal(b"\xff"), "not UTF-8 text: found the byte 0xff in line 1, column 1");
         for bytes in [&b"\xff\xfea\0"[..], b"\xfe\xff\0a", b"a\0=\0", b"\0a\0="] {
             assert_eq!(refusal(bytes), "not UTF-8 text: found UTF-16; save it as UTF-8");
+        }
+    }
+
+    #[test]
+    fn a_byte_is_in_the_line_that_the_breaks_before_it_make() {
+        let text = "a\n\nb\r\nc";
+        let lines = Lines::of(text);
+        for offset in 0..10 {
+            let breaks = text.bytes().take(offset).filter(|byte| *byte == b'\n').count();
+            assert_eq!(lines.line(offset), 1 + breaks, "{offset}");
         }
     }
 

@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 
 use crate::base::Base;
 use crate::error::ModelError;
-use crate::file;
+use crate::file::{self, Lines};
 use crate::model::Model;
 use crate::read_toml::read_toml;
 use crate::roles::Roles;
@@ -140,19 +140,17 @@ fn read_text(path: &Path) -> Result<String, ModelError> {
 pub(crate) struct Source<'a> {
     file: &'a str,
     text: &'a str,
-    /// Where the lines after the first begin.
-    breaks: Vec<usize>,
+    lines: Lines,
 }
 
 impl<'a> Source<'a> {
     pub(crate) fn new(file: &'a str, text: &'a str) -> Self {
-        let breaks = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(offset, _)| offset + 1);
-        Self { file, text, breaks: breaks.collect() }
+        Self { file, text, lines: Lines::of(text) }
     }
 
     /// The line, from one, of a byte offset.
     pub(crate) fn line(&self, offset: usize) -> Option<usize> {
-        (offset <= self.text.len()).then(|| 1 + self.breaks.partition_point(|start| *start <= offset))
+        (offset <= self.text.len()).then(|| self.lines.line(offset))
     }
 
     pub(crate) fn syntax(&self, line: Option<usize>, message: impl Into<String>) -> ModelError {

@@ -11,6 +11,7 @@ use crate::design::Design;
 use crate::factor::{Factor, Level, Levels, Range};
 use legwork::error::Error;
 use legwork::settings;
+use legwork_rbd::file::Lines;
 use legwork_rbd::words::quoted;
 
 /// A study as its file has it.
@@ -83,11 +84,6 @@ fn take(path: &str, taken: &mut BTreeSet<String>) -> bool {
     !outer && !inner && taken.insert(path.to_owned())
 }
 
-/// Whether `outer` is the path `inner` or that of what holds it.
-pub(super) fn holds(outer: &str, inner: &str) -> bool {
-    inner.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
-}
-
 /// The values of nested tables with their paths: `set.ground.friction = 0.5` means the same as
 /// `set = { "ground.friction" = 0.5 }`.
 pub(super) fn leaves(table: &Table) -> Vec<(String, Value)> {
@@ -120,8 +116,7 @@ pub(super) struct Source<'a> {
 
 impl Source<'_> {
     fn line(&self, offset: usize) -> String {
-        let before = &self.text.as_bytes()[..offset.min(self.text.len())];
-        format!("{}:{}", self.file_name, 1 + before.iter().filter(|byte| **byte == b'\n').count())
+        format!("{}:{}", self.file_name, Lines::of(self.text).line(offset))
     }
 
     /// What is wrong with the `key` at `offset`.

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use toml::Value;
 
 use crate::design::{Design, Sampler, grid_count, grid_point, one_at_a_time};
-use crate::file::{Source, StudyFile, holds, leaves};
+use crate::file::{Source, StudyFile, leaves};
 use crate::rollout;
 use crate::rollout::Column;
 use crate::{Base, Change, Factor, Level, Rollout, Variant};
 use legwork::error::Error;
 use legwork::library::{self, Kind};
+use legwork::settings::holds;
 use legwork_rbd::words::{list, quoted};
 
 /// Scenarios, factors and a design: what is run, and in which order.
@@ -255,8 +256,7 @@ fn load_bases(
             }
         }
     }
-    let is_of = |path: &str, place: &str| holds(&path.escape_debug().to_string(), place);
-    let of_own = |place: &str| own.iter().map(|(path, _)| path.as_str()).find(|path| is_of(path, place));
+    let of_own = |place: &str| own.iter().map(|(path, _)| path.as_str()).find(|path| holds(path, place));
     let several = file.scenarios.get_ref().len() > 1;
     let mut bases: Vec<Base> = Vec::new();
     for name in file.scenarios.get_mut() {

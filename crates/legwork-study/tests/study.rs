@@ -152,6 +152,8 @@ fn wrong_files_are_refused_with_place_found_and_valid() {
             "study.toml:4: set.duration_s: in the scenario walk: found -1; valid is",
         ),
         ("duration_s = 0.6", "duration = 0.6", "study.toml:4: set.duration: in the scenario walk: unknown"),
+        // Whatever characters a key has, its line is told.
+        ("duration_s = 0.6", "\"dur\\tation\" = 0.6", "study.toml:4: set.dur\\tation: in the scenario walk: unknown"),
         ("one-at-a-time", "all", "study.toml:1: unknown variant `all`"),
         ("\"one-at-a-time\"", "\"one-at-a-time\"\nsamples = 3", "study.toml:2: samples: this design takes every level"),
         ("\"one-at-a-time\"", "\"saltelli\"", "this design needs samples"),

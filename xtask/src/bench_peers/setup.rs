@@ -1,11 +1,11 @@
 //! Sets the peers up: packages from the Python package index into an environment of their own, their harnesses compiled.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::SystemTime;
 
 use super::Places;
-use crate::say;
+use crate::{say, succeeds};
 
 /// How all harnesses are compiled.
 pub(super) const FLAGS: [&str; 3] = ["-O3", "-DNDEBUG", "-w"];
@@ -82,10 +82,6 @@ pub(super) fn set_up(places: &Places) -> Result<Vec<Peer>, String> {
 /// Our example.
 pub(super) fn ours(places: &Places) -> String {
     places.root.join("target/release/examples/peers").display().to_string()
-}
-
-fn succeeds(command: &mut Command) -> bool {
-    command.stdout(Stdio::null()).status().is_ok_and(|status| status.success())
 }
 
 /// Runs a command with its output in a file; where it fails, the last line that says so.

@@ -198,22 +198,11 @@ fn a_merge_called_a_damaged_chunk_missing() {
 #[cfg(unix)]
 #[test]
 fn a_killed_study_goes_on_and_its_litter_is_cleared() {
-    let folder = Folder::new("study-killed");
-    folder.file(
-        "long.toml",
-        "scenarios = [\"stand\"]\ndesign = \"latin-hypercube\"\nsamples = 160\n[set]\nduration_s = 2\n\
-         [[factors]]\npath = \"ground.friction\"\nlinear = { from = 0.5, to = 1.0 }\n",
-    );
-    let chunks = folder.0.join("legwork-long/chunks");
-    let written = || fs::read_dir(&chunks).map_or(0, |entries| entries.filter(|e| whole(e.as_ref().unwrap())).count());
+    let folder = long("study-killed", 160, 2);
     for least in [3, 9] {
         let mut child =
             folder.command(&["study", "long.toml"]).stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap();
-        let begin = Instant::now();
-        while written() < least {
-            assert!(begin.elapsed() < Duration::from_secs(120), "no chunk was written");
-            sleep(Duration::from_millis(5));
-        }
+        wait_for(&folder, least);
         child.kill().unwrap();
         child.wait().unwrap();
     }
@@ -240,7 +229,7 @@ fn a_killed_study_goes_on_and_its_litter_is_cleared() {
         "study.toml",
     ];
     assert_eq!(found, expected);
-    assert!(fs::read_dir(&chunks).unwrap().all(|entry| whole(&entry.unwrap())));
+    assert!(fs::read_dir(folder.0.join(CHUNKS)).unwrap().all(|entry| whole(&entry.unwrap())));
     folder.legwork(&["study", "long.toml", "--out", "at-once"]).succeeds();
     assert_eq!(folder.text("legwork-long/rollouts.csv"), folder.text("at-once/rollouts.csv"));
 }
@@ -266,41 +255,56 @@ fn shards_give_what_one_run_gives() {
 /// A study of minutes, stopped after some of it, keeps that and goes on from there.
 #[test]
 fn an_interrupted_study_goes_on() {
-    let folder = Folder::new("study-interrupted");
-    folder.file(
-        "long.toml",
-        "scenarios = [\"stand\"]\ndesign = \"latin-hypercube\"\nsamples = 600\n[set]\nduration_s = 20\n\
-         [[factors]]\npath = \"ground.friction\"\nlinear = { from = 0.5, to = 1.0 }\n",
-    );
+    let folder = long("study-interrupted", 600, 20);
     let mut command = folder.command(&["study", "long.toml"]);
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let chunks = folder.0.join("legwork-long/chunks");
-    let written = || fs::read_dir(&chunks).map_or(0, |entries| entries.filter(|e| whole(e.as_ref().unwrap())).count());
-    let begin = Instant::now();
-    while written() < 2 {
-        assert!(begin.elapsed() < Duration::from_secs(120), "no chunk was written");
-        sleep(Duration::from_millis(20));
-    }
+    wait_for(&folder, 2);
     // Meanwhile nobody else may write there.
     folder.refuses(1, &["study", "long.toml"], &["legwork-long"]);
     assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let done = Done::from(child.wait_with_output().unwrap());
     assert_eq!((done.code, done.out.as_str()), (130, ""), "{}", done.err);
     assert!(done.err.contains("rollouts are kept in legwork-long, the same command goes on"), "{}", done.err);
-    let kept = written();
+    let kept = written(&folder);
     assert!((2..120).contains(&kept), "{kept}");
     assert!(!folder.0.join("legwork-long/report.html").exists());
 
     let mut command = folder.command(&["study", "long.toml"]);
     let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    let begin = Instant::now();
-    while written() <= kept {
-        assert!(begin.elapsed() < Duration::from_secs(120), "it does not go on");
-        sleep(Duration::from_millis(20));
-    }
+    wait_for(&folder, kept + 1);
     assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let done = Done::from(child.wait_with_output().unwrap());
     assert!(done.err.starts_with("long: goes on; "), "{}", done.err);
+}
+
+/// Where `long.toml` writes what it computed.
+const CHUNKS: &str = "legwork-long/chunks";
+
+/// A folder with a study of many rollouts that last so long [s].
+fn long(name: &str, samples: u32, duration: u32) -> Folder {
+    let folder = Folder::new(name);
+    folder.file(
+        "long.toml",
+        format!(
+            "scenarios = [\"stand\"]\ndesign = \"latin-hypercube\"\nsamples = {samples}\n[set]\nduration_s = {duration}\n\
+             [[factors]]\npath = \"ground.friction\"\nlinear = {{ from = 0.5, to = 1.0 }}\n"
+        ),
+    );
+    folder
+}
+
+/// How many chunks are there as a whole.
+fn written(folder: &Folder) -> usize {
+    fs::read_dir(folder.0.join(CHUNKS)).map_or(0, |entries| entries.filter(|e| whole(e.as_ref().unwrap())).count())
+}
+
+/// Waits until so many chunks are there.
+fn wait_for(folder: &Folder, least: usize) {
+    let begin = Instant::now();
+    while written(folder) < least {
+        assert!(begin.elapsed() < Duration::from_secs(120), "{} of {least} chunks were written", written(folder));
+        sleep(Duration::from_millis(5));
+    }
 }
 
 fn whole(entry: &fs::DirEntry) -> bool {

@@ -65,9 +65,12 @@ impl Failure {
             Kind::OutOfReach | Kind::Sudden => 1.0,
         }
     }
-}
 
-impl Failure {
+    /// Mean of a `figure` over the time in which the failure grew.
+    pub(super) fn mean(&self, figure: impl Fn(usize) -> f64) -> f64 {
+        self.growth.clone().map(figure).sum::<f64>() / self.growth.len() as f64
+    }
+
     /// What a task misses at least, in the mean, where a limit or weights are to blame for it: N for a robot of that `weight` [N], rad/s²
     /// or m/s².
     pub(super) fn something(&self, weight: f64) -> f64 {
@@ -154,17 +157,14 @@ fn astray(evidence: &Evidence<'_>) -> Option<Failure> {
 /// What the cause did, told at the end of the step or double support in which it went wrong.
 pub(super) fn consequence(evidence: &Evidence<'_>, failure: &Failure) -> Option<Event> {
     let (end, stretch) = (failure.growth.end - 1, evidence.stretch(failure.growth.end - 1));
-    let mean = |figure: &dyn Fn(usize) -> f64| -> f64 {
-        failure.growth.clone().map(figure).sum::<f64>() / failure.growth.len() as f64
-    };
     let what = match failure.kind {
-        Kind::Sinking => What::Sank { by: evidence.sunk(end), missed: mean(&|i| evidence.missed_force(i)) },
-        Kind::Leaning => What::Leaned { by: evidence.lean(end), missed: mean(&|i| evidence.missed_torso(i)) },
+        Kind::Sinking => What::Sank { by: evidence.sunk(end), missed: failure.mean(|i| evidence.missed_force(i)) },
+        Kind::Leaning => What::Leaned { by: evidence.lean(end), missed: failure.mean(|i| evidence.missed_torso(i)) },
         Kind::Astray(foot) => What::FootAstray {
             foot: evidence.foot_name(foot),
             short: evidence.short(stretch, foot),
             off: stretch.ticks.clone().map(|i| evidence.foot_off(i, foot)).fold(0.0, f64::max),
-            missed: mean(&|i| evidence.missed_foot(i, foot)),
+            missed: failure.mean(|i| evidence.missed_foot(i, foot)),
         },
         Kind::OutOfReach => {
             let out = failure.window.end - 1;

@@ -46,6 +46,8 @@ const ENERGY: f64 = 0.05;
 const BOUNCED: f64 = 0.1;
 /// The program counted on more force than the ground gave by this share of the weight.
 const UNMET: f64 = 0.05;
+/// It let standing feet accelerate by more than this [m/s²].
+const ACCELERATE: f64 = 1.0;
 /// Without a limit to blame, a push is the cause of what begins within this long after it [s]: the time of two steps.
 const UPSET: f64 = 1.0;
 /// Without a limit to blame, a task was given up if it was missed by this many times as much as in the time before.
@@ -305,13 +307,10 @@ fn unmet(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Even
     if failure.kind != Kind::Sinking || evidence.is_hard(feet::NAME) {
         return None;
     }
-    let mean = |figure: &dyn Fn(usize) -> f64| -> f64 {
-        failure.growth.clone().map(figure).sum::<f64>() / failure.growth.len() as f64
-    };
-    let force = mean(&|i| evidence.unmet_force(i));
-    let given_up = mean(&|i| (0..2).map(|foot| evidence.missed_foot(i, foot)).fold(0.0, f64::max));
+    let force = failure.mean(|i| evidence.unmet_force(i));
+    let given_up = failure.mean(|i| (0..2).map(|foot| evidence.missed_foot(i, foot)).fold(0.0, f64::max));
     let event = Event { time: evidence.time(failure.window.start), what: What::Unmet { force, given_up } };
-    let is_much = force > UNMET * evidence.weight() && given_up > failure.something(0.0).max(1.0);
+    let is_much = force > UNMET * evidence.weight() && given_up > ACCELERATE;
     is_much.then_some((FirstCause::Outweighed { task: feet::NAME }, event))
 }
 

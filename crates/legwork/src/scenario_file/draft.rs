@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use legwork_rbd::file::Lines;
 use legwork_rbd::words::list;
 use toml::Value;
 use toml::de::DeValue;
@@ -16,24 +17,20 @@ pub(super) const PATHS: [&str; 2] = ["model", "reference.com.file"];
 
 /// Where values come from.
 pub(super) enum Source<'a> {
-    /// A file, with the place at which each of its lines ends.
-    File {
-        name: &'a str,
-        ends: Vec<usize>,
-    },
+    File { name: &'a str, lines: Lines },
     CommandLine,
 }
 
 impl<'a> Source<'a> {
     /// A file of this text.
     pub(super) fn file(name: &'a str, text: &str) -> Self {
-        Self::File { name, ends: text.match_indices('\n').map(|(at, _)| at).collect() }
+        Self::File { name, lines: Lines::of(text) }
     }
 
     /// `file:line` of a byte.
     pub(super) fn line(&self, offset: usize) -> String {
         match self {
-            Self::File { name, ends } => format!("{name}:{}", 1 + ends.partition_point(|end| *end < offset)),
+            Self::File { name, lines } => format!("{name}:{}", lines.line(offset)),
             Self::CommandLine => "--set".to_owned(),
         }
     }
@@ -106,7 +103,7 @@ impl Draft {
             return Err(Error::invalid("--set ".to_owned() + assignment, problem));
         };
         let (path, text) = (path.trim(), text.trim());
-        let place = format!("--set {}", path.escape_debug());
+        let place = format!("--set {path}");
         if at(&mut self.tree, path).is_none() {
             return Err(Error::invalid(place, self.why_unknown(path)));
         }
@@ -165,7 +162,7 @@ fn merge(
     match (slot, found) {
         (Value::Table(table), DeValue::Table(found)) => {
             for (key, value) in found {
-                let path = format!("{path}{}{}", if path.is_empty() { "" } else { "." }, key.get_ref().escape_debug());
+                let path = format!("{path}{}{}", if path.is_empty() { "" } else { "." }, key.get_ref());
                 let place = source.place(key.span().start, &path);
                 if !table.contains_key(key.get_ref().as_ref()) {
                     let more = if path.contains('.') { "" } else { "; a file may also say what it extends" };

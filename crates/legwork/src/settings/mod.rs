@@ -102,8 +102,8 @@ const USED_WITH: [(&str, &str, &[&str]); 14] = [
     ("simulation.sensors.flag_force_n", "simulation.sensors.flag", &["force"]),
 ];
 
-/// Whether a setting or table `outer` is `path` or holds it.
-fn holds(outer: &str, path: &str) -> bool {
+/// Whether a setting or table at the path `outer` is that at `path` or holds it.
+pub fn holds(outer: &str, path: &str) -> bool {
     path.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
