@@ -90,10 +90,10 @@ fn test((name, files, packages, tests): &Group, share: &str) -> Result<(), Strin
         "--colors",
         "never",
     ]);
-    mutants.args(["--shard", &format!("0/{share}"), "--timeout", "300", "--output"]).arg(&folder);
+    mutants.arg("--workspace").args(["--shard", &format!("0/{share}"), "--timeout", "90", "--output"]).arg(&folder);
     mutants.args(files.iter().flat_map(|file| ["--file", file]));
     mutants.args(packages.iter().flat_map(|package| ["--test-package", package]));
-    // A missed fault is a result: the outcomes say it.
+    // Without `--workspace` faults are looked for in the package of the program alone. A missed fault is a result: the outcomes say it.
     mutants.arg("--").args(*tests).stdin(Stdio::null()).status().map_err(|error| format!("cargo-mutants: {error}"))?;
     let list = |outcome: &str| {
         let path = folder.join(format!("mutants.out/{outcome}.txt"));
