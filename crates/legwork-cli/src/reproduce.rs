@@ -6,14 +6,17 @@ use std::process::ExitCode;
 
 use legwork::error::Error;
 use legwork_study::parallel;
+use legwork_study::rollout::DOUBT;
 use legwork_thesis::case::Reading;
 use legwork_thesis::claims::Verdict;
+use legwork_thesis::limits::Measured;
 use legwork_thesis::words::with_unit;
 use legwork_thesis::{Reproduction, files};
 
 use crate::args::ReproduceArgs;
+use crate::limits::text::{star, starred};
 use crate::long_work::{INTERRUPTED, Progress, interrupted, listen_for_interrupt};
-use crate::output::{Failure, Output, PAGE, check_writable, folded, say, write_page, write_text};
+use crate::output::{Failure, Output, PAGE, check_writable, folded, say, warn, write_page, write_text};
 
 const RESULTS: &str = "results.json";
 
@@ -37,6 +40,10 @@ pub(crate) fn reproduce(options: &ReproduceArgs, output: &mut Output) -> Result<
     write_page(&legwork_report::reproduction::page(&reproduction), folder)?;
     output.line(if options.json { json.to_string() } else { summary(&reproduction) })?;
     output.flush()?;
+    let [doubtful, rollouts] = reproduction.doubtful();
+    if doubtful > 0 {
+        warn(&format!("reproduce: {doubtful} of {rollouts} rollouts {DOUBT}"));
+    }
     say(&format!("report: {}", folder.join(PAGE).display()));
     Ok(ExitCode::SUCCESS)
 }
@@ -45,8 +52,8 @@ pub(crate) fn reproduce(options: &ReproduceArgs, output: &mut Output) -> Result<
 fn summary(reproduction: &Reproduction) -> String {
     let mut text = String::new();
     claims(reproduction, &mut text);
-    tables(reproduction, &mut text);
-    limits(reproduction, &mut text);
+    text += &tables(reproduction);
+    text += &limits(reproduction);
     for question in &reproduction.questions {
         let _ =
             write!(text, "\n{}\n  {}\n", folded(question.asks, 0), folded(&format!("  {}", question.answer), 2).trim());
@@ -80,34 +87,38 @@ fn wrapped(words: &str, indent: usize) -> String {
 }
 
 /// How much of the tables is met.
-fn tables(reproduction: &Reproduction, text: &mut String) {
-    let _ = writeln!(text, "\nFigures of the thesis's tables within 10 % and within 25 %");
+fn tables(reproduction: &Reproduction) -> String {
+    let mut text = "\nFigures of the thesis's tables within 10 % and within 25 %".to_owned();
     for table in &reproduction.tables {
-        let _ = write!(text, "  {:<5}{:<28}", table.number, table.title);
+        let _ = write!(text, "\n  {:<5}{:<28}", table.number, table.title);
         for (index, reading) in Reading::ALL.iter().enumerate() {
             let cells: Vec<_> = table.rows.iter().map(|row| &row.measured[index]).collect();
             let within = |share: f64| {
                 cells.iter().filter(|cell| cell.deviation.is_none_or(|deviation| deviation.abs() <= share)).count()
             };
             let fell = if cells.iter().any(|cell| cell.fell) { ", fell" } else { "" };
-            let entry = format!("{} and {} of {}{fell}", within(0.10), within(0.25), cells.len());
+            let star = star(cells.iter().find_map(|cell| cell.violations.as_ref()));
+            let entry = format!("{} and {} of {}{fell}{star}", within(0.10), within(0.25), cells.len());
             let _ = write!(text, "{entry:<24}");
             if index + 1 == Reading::ALL.len() {
                 text.truncate(text.trim_end().len());
             }
             debug_assert!(table.rows.iter().all(|row| row.measured[index].reading == *reading));
         }
-        text.push('\n');
     }
+    starred(text) + "\n"
 }
 
-fn limits(reproduction: &Reproduction, text: &mut String) {
+fn limits(reproduction: &Reproduction) -> String {
     let [first, second] = Reading::ALL.map(Reading::name);
-    let _ = writeln!(text, "\nLimits\n  {:<40}{:>10}{first:>14}{second:>16}", "", "thesis");
+    let mut text = String::new();
+    let _ = write!(text, "\nLimits\n  {:<40}{:>10}{first:>14}{second:>16}", "", "thesis");
     for row in &reproduction.evidence.limits {
         let number = |value: Option<f64>| value.map_or("none".to_owned(), |value| with_unit(value, row.unit));
         let thesis = row.thesis.map_or(String::new(), |value| with_unit(value, row.unit));
-        let measured: Vec<String> = row.measured.iter().map(|measured| number(measured.value)).collect();
-        let _ = writeln!(text, "  {:<40}{thesis:>10}{:>14}{:>16}", row.quantity, measured[0], measured[1]);
+        let shown = |measured: &Measured| number(measured.value) + star(measured.violations.as_ref());
+        let measured: Vec<String> = row.measured.iter().map(shown).collect();
+        let _ = write!(text, "\n  {:<40}{thesis:>10}{:>14}{:>16}", row.quantity, measured[0], measured[1]);
     }
+    starred(text) + "\n"
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use legwork_study::Ending;
+use legwork_study::rollout::DOUBTFUL;
 use legwork_thesis::case::{Case, Experiment, Gains, Reading};
 use legwork_thesis::claims::{Claim, Verdict};
 use legwork_thesis::limits::{LimitRow, Measured};
@@ -94,8 +95,10 @@ fn tables(reproduction: &Reproduction) -> Chapter {
 
 fn published(table: &Table) -> Markup {
     let remarks = table.rows.iter().any(|row| row.misprint.is_some());
-    let cells = table.rows.iter().flat_map(|row| &row.measured);
-    let fallen: BTreeSet<&str> = cells.filter(|cell| cell.fell).map(|cell| cell.scenario).collect();
+    let cells = || table.rows.iter().flat_map(|row| &row.measured);
+    let fallen: BTreeSet<&str> = cells().filter(|cell| cell.fell).map(|cell| cell.scenario).collect();
+    let broken: BTreeSet<(&str, &String)> =
+        cells().filter_map(|cell| Some((cell.scenario, cell.violations.as_ref()?))).collect();
     html! {
         div.scroll { table {
             thead {
@@ -119,6 +122,7 @@ fn published(table: &Table) -> Markup {
             }
         } }
         @for scenario in fallen { p.note { "The run of " code { (scenario) } " ended in a fall." } }
+        @for (scenario, violations) in broken { p.note { "The run of " code { (scenario) } " " (DOUBTFUL) ": " (violations) "." } }
     }
 }
 
@@ -263,6 +267,13 @@ fn limits(reproduction: &Reproduction) -> Chapter {
             }
             tbody { @for row in &reproduction.evidence.limits { (limit(row)) } }
         } }
+        @for row in &reproduction.evidence.limits {
+            @for measured in &row.measured {
+                @if let Some(violations) = &measured.violations {
+                    p.note { "The " (row.quantity) ", " (name(measured.reading)) ", rests on rollouts that " (DOUBTFUL) ": " (violations) "." }
+                }
+            }
+        }
         h4 { "Why it failed beyond" }
         ul.note {
             @for row in &reproduction.evidence.limits {

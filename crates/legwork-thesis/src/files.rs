@@ -16,7 +16,7 @@ use legwork_study::table::{Cell, Column, TableWriter};
 pub const LOGS: &str = "logs";
 
 /// The columns of a rollout beside its figures.
-const ROLLOUT: [&str; 5] = ["ending", "cause", "reason", "input_hash", "result_hash"];
+const ROLLOUT: [&str; 6] = ["ending", "cause", "reason", "violations", "input_hash", "result_hash"];
 
 /// Writes all tables and logs into `folder`, which is made where it is not there.
 ///
@@ -49,7 +49,8 @@ fn rollout_columns(reproduction: &Reproduction) -> impl Iterator<Item = Column> 
 
 fn rollout_cells(rollout: &Rollout, figures: usize) -> Vec<Cell> {
     let text = |text: &Option<String>| text.as_deref().map_or(Cell::Empty, Cell::from);
-    let mut cells = vec![rollout.ending.name().into(), text(&rollout.cause), text(&rollout.reason)];
+    let mut cells =
+        vec![rollout.ending.name().into(), text(&rollout.cause), text(&rollout.reason), text(&rollout.violations)];
     cells.extend([rollout.input_hash.as_str().into(), rollout.result_hash.as_str().into(), rollout.fell_at_s.into()]);
     cells.extend((0..figures).map(|figure| Cell::from(rollout.figures.get(figure).copied().flatten())));
     cells
@@ -126,7 +127,9 @@ fn limits(reproduction: &Reproduction, folder: &Path) -> Result<(), Error> {
     for suffix in ["", "_first_failure", "_furthest_held"] {
         columns.extend(of_readings(suffix));
     }
-    columns.extend(Reading::ALL.map(|reading| Column::text(format!("{}_reason", reading.name()))));
+    for suffix in ["reason", "violations"] {
+        columns.extend(Reading::ALL.map(|reading| Column::text(format!("{}_{suffix}", reading.name()))));
+    }
     columns.push(Column::text("remark"));
     let row = |row: &super::limits::LimitRow| {
         let mut cells = [row.quantity, row.section, row.unit].map(Cell::from).to_vec();
@@ -134,7 +137,9 @@ fn limits(reproduction: &Reproduction, folder: &Path) -> Result<(), Error> {
         cells.extend(row.measured.iter().map(|measured| Cell::from(measured.value)));
         cells.extend(row.measured.iter().map(|measured| Cell::from(measured.first_failure)));
         cells.extend(row.measured.iter().map(|measured| Cell::from(measured.furthest_held)));
-        cells.extend(row.measured.iter().map(|measured| measured.reason.as_deref().map_or(Cell::Empty, Cell::from)));
+        let text = |text: &Option<String>| text.as_deref().map_or(Cell::Empty, Cell::from);
+        cells.extend(row.measured.iter().map(|measured| text(&measured.reason)));
+        cells.extend(row.measured.iter().map(|measured| text(&measured.violations)));
         cells.push(row.remark.into());
         cells
     };

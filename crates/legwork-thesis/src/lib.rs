@@ -166,6 +166,13 @@ impl Reproduction {
         })
     }
 
+    /// How many of the runs and of the sweeps' rollouts broke bounds of the simulator's audit, and how many there are.
+    pub fn doubtful(&self) -> [usize; 2] {
+        let levels = self.evidence.sweeps.iter().flat_map(|sweep| &sweep.levels).map(|tried| &tried.rollout);
+        let rollouts = || levels.clone().chain(self.evidence.trials.iter().map(|result| &result.rollout));
+        [rollouts().filter(|rollout| rollout.violations.is_some()).count(), rollouts().count()]
+    }
+
     /// All but the logs as JSON.
     pub fn to_json(&self) -> serde_json::Value {
         let columns: Vec<_> = self

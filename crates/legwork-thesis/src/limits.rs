@@ -10,9 +10,9 @@ use super::sweep::definition;
 use super::trial::set;
 use legwork::episode::Run;
 use legwork::error::Error;
-use legwork_study::Base;
 use legwork_study::limits::{Answer, Held, Question, SPEED_SHARE};
 use legwork_study::search::Search;
+use legwork_study::{Base, Rollout};
 
 /// A limit that is searched for.
 #[derive(Debug, Deserialize)]
@@ -114,6 +114,8 @@ pub struct Measured {
     pub reason: Option<String>,
     /// The furthest value that held, perhaps beyond the first failure.
     pub furthest_held: Option<f64>,
+    /// Bounds of the simulator's audit that a rollout which it rests on broke, in words.
+    pub violations: Option<String>,
 }
 
 impl Sought {
@@ -151,6 +153,7 @@ impl Sought {
             first_failure: answer.found.first_failure,
             reason: answer.found.reason_beyond.clone(),
             furthest_held: answer.found.furthest_held,
+            violations: answer.found.violations.clone(),
         });
         let Varied { unit, section, .. } = self.varied();
         let (quantity, thesis, remark) = (&self.quantity, self.thesis, &self.remark);
@@ -163,8 +166,9 @@ pub(crate) fn of_runs<'a>(run: impl Fn(Case) -> &'a Run) -> Vec<LimitRow> {
     let row = |limit: &'static OfRuns| {
         let figure = definition(&limit.figure);
         let measured = |reading| {
-            let value = figure.of(&run(Case::new(reading, limit.experiment, Gains::Final)).metrics);
-            Measured { reading, value, first_failure: None, reason: None, furthest_held: None }
+            let run = run(Case::new(reading, limit.experiment, Gains::Final));
+            let (value, violations) = (figure.of(&run.metrics), Rollout::of(run).violations);
+            Measured { reading, value, first_failure: None, reason: None, furthest_held: None, violations }
         };
         LimitRow {
             quantity: &limit.quantity,

@@ -5,6 +5,8 @@ use serde::Serialize;
 use super::case::{Case, Experiment, Gains, Reading};
 use crate::published;
 use legwork::episode::Run;
+use legwork_study::Rollout;
+use legwork_study::rollout::DOUBTFUL;
 
 /// One of Tables 6.1 to 6.5.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -47,13 +49,18 @@ pub struct Cell {
     pub deviation: Option<f64>,
     /// Whether the run ended in a fall.
     pub fell: bool,
+    /// Bounds of the simulator's audit that the run broke, in words.
+    pub violations: Option<String>,
 }
 
 impl Row {
-    /// What there is to say of it beside the figures: which of its runs fell, what was misprinted.
+    /// What there is to say of it beside the figures: which of its runs fell or broke bounds of the audit, what was
+    /// misprinted.
     pub fn remark(&self) -> String {
         let fell = self.measured.iter().filter(|cell| cell.fell);
         let mut remarks: Vec<String> = fell.map(|cell| format!("{} fell", cell.scenario)).collect();
+        let broke = |cell: &Cell| Some(format!("{} {DOUBTFUL}: {}", cell.scenario, cell.violations.as_ref()?));
+        remarks.extend(self.measured.iter().filter_map(broke));
         remarks.extend(self.misprint.map(str::to_owned));
         remarks.join("; ")
     }
@@ -137,7 +144,32 @@ fn cells<'a>(
         let case = Case::new(reading, experiment, gains);
         let value = value(case);
         let deviation = value.filter(|_| thesis != 0.0).map(|value| value / thesis - 1.0);
-        Cell { reading, scenario: case.scenario(), value, deviation, fell: run(case).reason.is_some() }
+        let (fell, violations) = (run(case).reason.is_some(), Rollout::of(run(case)).violations);
+        Cell { reading, scenario: case.scenario(), value, deviation, fell, violations }
     };
     Reading::ALL.map(cell).to_vec()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::limits;
+    use crate::trial::Trial;
+
+    #[test]
+    fn a_run_that_broke_the_audit_is_said_beside_its_figures() {
+        // The soles of a walk in steps of 10 ms reach millimetres into the ground.
+        let sets = ["simulation.period_s=0.01", "controller.period_s=0.01", "duration_s=1"].map(str::to_owned).to_vec();
+        let coarse = Trial { scenario: "walk", sets }.run(|| false).expect("it can be run");
+        let remark = tables(|_| &coarse)[0].rows[0].remark();
+        assert!(remark.starts_with("walk-baseline broke bounds of the simulation: "), "{remark}");
+        assert!(remark.contains("; penetration of the ground: "), "{remark}");
+        let limit = limits::of_runs(|_| &coarse).remove(0);
+        for measured in limit.measured {
+            assert_eq!(measured.violations, Some(coarse.violations().join("; ")));
+        }
+        let sound =
+            Trial { scenario: "walk", sets: vec!["duration_s=1".to_owned()] }.run(|| false).expect("it can be run");
+        assert!(tables(|_| &sound).iter().flat_map(|table| &table.rows).all(|row| !row.remark().contains("broke")));
+    }
 }

@@ -56,7 +56,7 @@ pub(crate) fn starred(table: String) -> String {
 }
 
 /// The star of what broke bounds of the simulation.
-fn star(violations: Option<&String>) -> &'static str {
+pub(crate) fn star(violations: Option<&String>) -> &'static str {
     if violations.is_some() { "*" } else { "" }
 }
 
