@@ -2,6 +2,9 @@
 //!
 //! The loop is open: estimates and torques are those of the run, bit by bit, so that the same work is done each time.
 
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
 use crate::contract::{Command, Sensed};
 use crate::episode::Run;
 use crate::error::Error;
@@ -70,6 +73,15 @@ impl Recording {
     /// None for the simulator that made the run; else those of [`Simulator::new`].
     pub fn simulator(&self) -> Result<Simulator, Error> {
         self.scenario.simulator(&self.model, &self.start.q)
+    }
+
+    /// The same with torques drawn evenly from −`limit` to `limit` [Nm] in place of the controller's, always the same ones: the robot
+    /// falls, slides and rolls on its edges, which is the hardest work for the contact solver.
+    #[must_use]
+    pub fn with_random_torques(mut self, limit: f64) -> Self {
+        let mut random = Pcg64Mcg::seed_from_u64(0);
+        self.torques.iter_mut().flatten().for_each(|torque| *torque = random.random_range(-limit..=limit));
+        self
     }
 
     /// The robot as the controller knows it: whose dynamics its ticks want.

@@ -109,6 +109,13 @@ pub(super) fn all() -> Vec<Case> {
             "contact exo-sway @/sway.steps",
             "@/exo18.xml @/sway.steps",
         ),
+        contact(
+            "contact-random",
+            "Physics step of 1 ms with contacts, exo18 under random torques: it falls, slides, rolls on its edges",
+            "steps exo-sway 20 @/random.steps",
+            "contact exo-sway @/random.steps",
+            "@/exo18.xml @/random.steps",
+        ),
         loops("loop-walk", "loop", "Closed loop, planar humanoid, thesis's walk", "loop walk", vec![], vec![]),
         loops(
             "loop-exo18",

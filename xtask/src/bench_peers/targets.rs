@@ -23,7 +23,7 @@ enum Check {
     RealTime(f64),
 }
 
-const TARGETS: [Target; 13] = [
+const TARGETS: [Target; 14] = [
     Target {
         words: "dynamics, planar humanoid: at most 1/2 of Pinocchio",
         case: "dynamics-planar7",
@@ -64,6 +64,11 @@ const TARGETS: [Target; 13] = [
     Target {
         words: "contact step, exo18: at most 1/2 of MuJoCo",
         case: "contact-exo18",
+        check: Check::Ratio("MuJoCo", 0.5, None),
+    },
+    Target {
+        words: "contact step, exo18 under random torques: at most 1/2 of MuJoCo",
+        case: "contact-random",
         check: Check::Ratio("MuJoCo", 0.5, None),
     },
     Target {

@@ -7,6 +7,7 @@ use legwork::episode::{Outcome, Run};
 use legwork::error::Error;
 use legwork::log::Field;
 use legwork::recording::Recording;
+use legwork::sim::Simulator;
 use legwork_study::parallel::{run_all, with_threads};
 use legwork_study::{Base, Variant, rollout};
 use serde::Serialize;
@@ -44,6 +45,8 @@ pub(super) struct Measured {
     pub(super) parts: Vec<PartFigures>,
     /// The simulation step.
     pub(super) step: Statistics,
+    /// The same under random torques of up to [`RANDOM_NM`].
+    pub(super) step_under_random_torques: Statistics,
     /// What the solver does.
     pub(super) solver: Solver,
     /// The whole run with log and figures.
@@ -103,23 +106,32 @@ pub(super) struct Threads {
     pub(super) rollouts_per_s: f64,
     /// That over the one of a single thread.
     pub(super) speed_up: f64,
+    /// Simulation steps alone, under random torques. Median over the rounds.
+    pub(super) steps_per_s: f64,
 }
 
 /// Rollouts that each thread does at a time.
 const BATCH: usize = 2;
+/// Robots that each thread steps at a time, and how often it does so.
+const ROBOTS: usize = 16;
+const STEPS: usize = 500;
+/// Largest random torque [Nm].
+pub(super) const RANDOM_NM: f64 = 20.0;
 
 /// What is being measured.
 struct Measurement<'a> {
     variant: &'a Variant,
     clock: Clock,
     recording: Recording,
+    random: Recording,
     tick: Samples,
     parts: [Samples; replay::PARTS.len()],
     step: Samples,
+    random_step: Samples,
     rollouts: Vec<f64>,
     counts: Vec<usize>,
-    /// Rollouts a second, for each of the counts.
-    rates: Vec<Vec<f64>>,
+    /// Rollouts a second, and steps, for each of the counts.
+    rates: Vec<Vec<[f64; 2]>>,
 }
 
 /// Measures `base` on `cores` cores for about `seconds`; none where Ctrl-C was pressed before a round was whole.
@@ -130,13 +142,16 @@ pub(super) fn measure(base: &Base, clock: Clock, cores: usize, seconds: f64) -> 
         return Ok(None);
     }
     let counts = thread_counts(cores);
+    let recording = Recording::of(&run, &base.variant().samples);
     let mut measurement = Measurement {
         variant: base.variant(),
         clock,
-        recording: Recording::of(&run, &base.variant().samples),
+        random: recording.clone().with_random_torques(RANDOM_NM),
+        recording,
         tick: Samples::default(),
         parts: Default::default(),
         step: Samples::default(),
+        random_step: Samples::default(),
         rollouts: Vec::new(),
         rates: vec![Vec::new(); counts.len()],
         counts,
@@ -163,26 +178,41 @@ impl Measurement<'_> {
         let ticks = replay::ticks(clock, recording.known(), recording.controller()?, &recording.estimates);
         let parts = replay::parts(clock, recording.known(), recording.controller()?, &recording.estimates);
         let steps = replay::steps(clock, recording.simulator()?, &recording.torques, recording.steps_per_tick);
+        let random = replay::steps(clock, self.random.simulator()?, &self.random.torques, recording.steps_per_tick);
         let (_, rollout) = clock.time(|| rollout::run(self.variant, interrupted));
-        let rates = self.counts.iter().map(|&threads| self.rate(threads)).collect::<Result<Vec<f64>, Error>>()?;
+        let rates = self.counts.iter().map(|&threads| self.rates(threads)).collect::<Result<Vec<_>, Error>>()?;
         if interrupted() {
             return Ok(());
         }
         self.tick.push(ticks);
         self.parts.iter_mut().zip(parts).for_each(|(samples, round)| samples.push(round));
         self.step.push(steps);
+        self.random_step.push(random);
         self.rollouts.push(rollout);
         self.rates.iter_mut().zip(rates).for_each(|(rates, rate)| rates.push(rate));
         Ok(())
     }
 
-    /// Rollouts a second.
-    fn rate(&self, threads: usize) -> Result<f64, Error> {
-        let count = BATCH * threads;
-        with_threads(Some(threads), || {
+    /// Rollouts a second, and simulation steps.
+    fn rates(&self, threads: usize) -> Result<[f64; 2], Error> {
+        let robots =
+            (0..threads * ROBOTS).map(|_| self.random.simulator()).collect::<Result<Vec<Simulator>, Error>>()?;
+        let steps = STEPS.min(self.random.torques.len());
+        // Each robot is given the torques of another time.
+        let step = |index: usize| {
+            let mut robot = robots[index].clone();
+            let torques = self.random.torques.iter().cycle().skip(index * steps).take(steps);
+            torques.for_each(|torques| _ = robot.step(torques));
+            robot
+        };
+        let rate = |count: usize, work: &(dyn Fn(usize) + Sync)| {
             let begin = Instant::now();
-            run_all(count, |_| rollout::run(self.variant, interrupted));
+            run_all(count, |index| Some(work(index)));
             count as f64 / begin.elapsed().as_secs_f64()
+        };
+        with_threads(Some(threads), || {
+            let rollouts = rate(BATCH * threads, &|_| _ = rollout::run(self.variant, interrupted));
+            [rollouts, steps as f64 * rate(robots.len(), &|index| _ = step(index))]
         })
     }
 
@@ -195,11 +225,14 @@ impl Measurement<'_> {
         let parts: Vec<_> = parts.collect();
         let simulated_s = run.log.len() as f64 * run.scenario.controller.period_s;
         let median_s = median(&mut self.rollouts.clone());
-        let rates: Vec<f64> = self.rates.iter_mut().map(|rates| median(rates)).collect();
-        let threads = self.counts.iter().zip(&rates).map(|(&threads, &rate)| Threads {
+        let middle =
+            |rates: &Vec<[f64; 2]>| [0, 1].map(|k| median(&mut rates.iter().map(|rate| rate[k]).collect::<Vec<_>>()));
+        let rates: Vec<[f64; 2]> = self.rates.iter().map(middle).collect();
+        let threads = self.counts.iter().zip(&rates).map(|(&threads, &[rollouts_per_s, steps_per_s])| Threads {
             threads,
-            rollouts_per_s: rate,
-            speed_up: rate / rates[0],
+            rollouts_per_s,
+            speed_up: rollouts_per_s / rates[0][0],
+            steps_per_s,
         });
         Measured {
             scenario: run.scenario.name.clone(),
@@ -214,6 +247,7 @@ impl Measurement<'_> {
             tick,
             parts,
             step: self.step.statistics(),
+            step_under_random_torques: self.random_step.statistics(),
             solver: Solver::of(run),
             rollout: Rollout {
                 simulated_s,

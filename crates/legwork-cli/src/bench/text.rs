@@ -3,7 +3,7 @@
 use super::Report;
 use super::machine::Machine;
 use super::samples::{Histogram, Statistics};
-use super::scenario::Measured;
+use super::scenario::{Measured, Threads};
 use crate::output::folded;
 
 /// Columns of the longest bar of a histogram.
@@ -46,6 +46,7 @@ fn scenario(measured: &Measured) -> String {
     let together: f64 = measured.parts.iter().map(|part| part.share).sum();
     text += &format!("\n  {:<67}{:>6.0} %", "  parts together", 100.0 * together);
     text += &line("simulation step", &measured.step, None);
+    text += &line("  torques of chance", &measured.step_under_random_torques, None);
 
     let solver = &measured.solver;
     text += &format!("\n  {:<22}{:>9}{:>9}", "a tick", "mean", "max");
@@ -67,9 +68,10 @@ fn scenario(measured: &Measured) -> String {
         1e3 * rollout.max_s,
         rollout.times_real_time
     );
-    text += &format!("\n  {:<22}{:>12}{:>10}", "threads", "rollouts/s", "speed-up");
+    text += &format!("\n  {:<22}{:>12}{:>10}{:>10}", "threads", "rollouts/s", "speed-up", "steps/s");
     for row in &measured.threads {
-        text += &format!("\n  {:<22}{:>12.1}{:>10.2}", row.threads, row.rollouts_per_s, row.speed_up);
+        let Threads { threads, rollouts_per_s, speed_up, steps_per_s } = row;
+        text += &format!("\n  {threads:<22}{rollouts_per_s:>12.1}{speed_up:>10.2}{steps_per_s:>10.0}");
     }
     text + "\n  control tick [µs], all rounds" + &histogram(&measured.tick_histogram)
 }

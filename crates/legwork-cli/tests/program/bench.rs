@@ -37,7 +37,7 @@ fn every_figure_is_there_and_they_agree_with_each_other() {
     let parts = push["parts"].as_array().expect("a list");
     let names: Vec<&Value> = parts.iter().map(|part| &part["part"]).collect();
     assert_eq!(names, ["dynamics", "references, goals", "assembly", "solve", "reading"]);
-    for times in parts.iter().chain([&push["tick"], &push["step"]]) {
+    for times in parts.iter().chain(["tick", "step", "step_under_random_torques"].map(|name| &push[name])) {
         let quantiles = ["median_us", "p99_us", "p999_us", "max_us"].map(|name| number(&times[name]));
         assert!(quantiles.is_sorted() && quantiles[0] > 0.0, "{times}");
         assert!(number(&times["slowest_input_us"]) >= number(&times["mean_us"]), "{times}");
@@ -51,6 +51,7 @@ fn every_figure_is_there_and_they_agree_with_each_other() {
     let threads = push["threads"].as_array().expect("a list");
     assert_eq!((&threads[0]["threads"], number(&threads[0]["speed_up"])), (&1.into(), 1.0));
     assert_eq!(threads.last().expect("one")["threads"], machine["cores"]);
+    assert!(threads.iter().all(|row| number(&row["steps_per_s"]) > number(&row["rollouts_per_s"])), "{threads:?}");
 
     // What does not depend on the machine is what `run` says.
     let run = folder.json(&["run", "push", "--duration", "0.9", "--json"]).remove(0);

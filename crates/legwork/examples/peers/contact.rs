@@ -14,20 +14,25 @@ use legwork_rbd::Dynamics;
 use crate::files::{Table, answer};
 use crate::programs::{recorded, say, touching};
 
-/// Records a closed loop, a row a step: torques, q and v before it, q and v after it.
-pub(crate) fn record(scenario: &str, out: &Path) -> Result<(), Box<dyn Error>> {
-    let recording = recorded(scenario, &[], usize::MAX)?;
+/// Records a closed loop, or the same robot under `random` torques of up to so much [Nm], a row a step: torques, q and v before it, q and v after it.
+pub(crate) fn record(scenario: &str, random: Option<f64>, out: &Path) -> Result<(), Box<dyn Error>> {
+    let mut recording = recorded(scenario, &[], usize::MAX)?;
+    if let Some(limit) = random {
+        recording = recording.with_random_torques(limit);
+    }
     let mut simulator = recording.simulator()?;
     let (torques, model) = (recording.torques[0].len(), recording.known());
     let mut table = Table::new(torques + 2 * (model.nq() + model.nv()));
-    for torques in &recording.torques {
+    let mut estimates = recording.estimates.clone();
+    for (torques, estimate) in recording.torques.iter().zip(&mut estimates) {
+        simulator.read(estimate);
         let mut row = torques.clone();
         row.extend(simulator.q().iter().chain(simulator.v()));
         simulator.step(torques);
         row.extend(simulator.q().iter().chain(simulator.v()));
         table.push(row);
     }
-    tell("steps", &recording.estimates.iter().collect::<Vec<&Sensed>>());
+    tell("steps", &estimates.iter().collect::<Vec<&Sensed>>());
     Ok(table.write(out)?)
 }
 

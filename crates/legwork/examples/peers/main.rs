@@ -24,7 +24,7 @@ const USAGE: &str = "usage: peers TASK FILES
   qp PROGRAMS OUT               times legwork_qp
   clarabel PROGRAMS OUT         times Clarabel
   start SCENARIO OUT            the start pose
-  steps SCENARIO OUT            records states and torques of a closed loop
+  steps SCENARIO [LIMIT] OUT    records states and torques of a closed loop, or those under random torques of up to LIMIT Nm
   contact SCENARIO STEPS OUT    times Simulator::step on them
   tick SCENARIO OUT             times the control ticks of a closed loop
   loop SCENARIO OUT             times control and physics together";
@@ -50,7 +50,8 @@ fn run(words: &[&str]) -> Result<(), Box<dyn Error>> {
         ["qp", programs, out] => solvers::legwork(Path::new(programs), Path::new(out)),
         ["clarabel", programs, out] => solvers::clarabel(Path::new(programs), Path::new(out)),
         ["start", scenario, out] => contact::start(scenario, Path::new(out)),
-        ["steps", scenario, out] => contact::record(scenario, Path::new(out)),
+        ["steps", scenario, out] => contact::record(scenario, None, Path::new(out)),
+        ["steps", scenario, limit, out] => contact::record(scenario, Some(limit.parse()?), Path::new(out)),
         ["contact", scenario, steps, out] => contact::time(scenario, Path::new(steps), Path::new(out)),
         ["tick", scenario, out] => contact::ticks(scenario, Path::new(out)),
         ["loop", scenario, out] => contact::closed_loop(scenario, Path::new(out)),
