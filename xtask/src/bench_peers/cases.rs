@@ -72,11 +72,19 @@ pub(super) fn all() -> Vec<Case> {
         ),
         programs(
             "qp-48",
-            "Humanoid program, 48 variables",
+            "Humanoid program, 48 variables, also of a humanoid that falls",
             "programs humanoid @/humanoid",
             "qp @/humanoid",
             "@/humanoid",
             "@/humanoid on",
+        ),
+        programs(
+            "qp-48-standing",
+            "Humanoid program, 48 variables, before it falls",
+            "programs standing @/standing",
+            "qp @/standing",
+            "@/standing",
+            "@/standing on",
         ),
         loops("tick-planar7", "tick", "Control tick, planar humanoid, thesis's walk", "tick walk", vec![], vec![]),
         loops(

@@ -35,6 +35,10 @@ const COMPARABLE: &str = "
   slack program's cost is not strictly convex, which Goldfarb and Idnani's method needs: quadprog and eiquadprog cannot solve it, ours adds the
   equalities to it. A failure is what the solver calls unsolved, what is no number, or what misses a row or bound by more
   than 1e-3 of 1 + its size.
+- **48 variables.** After 1.8 s of its second scenario the humanoid falls, and its program asks each tick for what the tick before did not:
+  ours changes its working set 30 to 150 times then, at some 3 µs a change, for 10 to 30 members at the end. These programs are the last 1 % and more.
+  Fewer changes were looked for: violations measured by the Hessian's length of their normals (p99 of the changes 124 in place of 112), the steepest rise
+  of the dual objective, which costs a projection of each violated row (101), and working sets changed in blocks before the search (136 to 309).
 - **Control ticks.** Each side formulates its own program for the same robot: TSID tracks centre of mass, posture and waist
   with two six-dimensional contacts of four corner forces and torque bounds; legwork adds momentum, joint-limit braking and
   the step state machine, and names the limits that are active. Both include the dynamics, and no physics runs between the

@@ -20,7 +20,7 @@ const USAGE: &str = "usage: peers TASK FILES
   model MODEL STEM              writes STEM.urdf, STEM.xml (MJCF) and STEM.txt for other people's programs
   states MODEL COUNT OUT        random states
   dynamics MODEL STATES OUT     times Dynamics::update
-  programs WHICH OUT            records programs, slack, direct or humanoid
+  programs WHICH OUT            records programs: slack, direct, humanoid or standing
   qp PROGRAMS OUT               times legwork_qp
   clarabel PROGRAMS OUT         times Clarabel
   start SCENARIO OUT            the start pose
