@@ -44,6 +44,25 @@ impl<const D: usize> Mode<D> {
         Self::Slip { along, share: if D == 2 { 0.0 } else { scale * normal } }
     }
 
+    /// Another mode for each `number` from 1 to 3, and itself for 0: open, stick, slip against `motion` and along it.
+    pub(super) fn other(&self, number: u32, motion: &[f64; D], coefficient: f64) -> Self {
+        let speed = norm(&motion[..D - 1]).max(f64::MIN_POSITIVE);
+        let slip = |sign: f64| {
+            let edge = |value: f64| if D == 2 { coefficient.copysign(value) } else { coefficient * value / speed };
+            let mut along = motion.map(|value| -sign * edge(value));
+            along[D - 1] = 1.0;
+            Self::Slip { along, share: 0.0 }
+        };
+        let all = [Self::Open, Self::Stick, slip(1.0), slip(-1.0)];
+        let along = |value: &[f64; D]| (0..D - 1).map(|i| value[i] * motion[i]).sum::<f64>();
+        let own = match self {
+            Self::Open => 0,
+            Self::Stick => 1,
+            Self::Slip { along: direction, .. } => 2 + usize::from(along(direction) > 0.0),
+        };
+        if number == 0 { *self } else { all[(own + number as usize) % all.len()] }
+    }
+
     /// `S x`: the law's derivative by z, times `x`.
     #[inline]
     pub(super) fn times(&self, x: &[f64; D], friction: Friction) -> [f64; D] {

@@ -421,6 +421,7 @@ impl Body {
                 self.force[j] -= 0.5 * (midpoint.bias[j] + midpoint.damping[j]);
                 self.damping[j] += 0.5 * midpoint.damping[j];
             }
+            self.audit.contact_sweeps = self.audit.contact_sweeps.max(velocity.report.sweeps);
             velocity.solve(settings, dt, &self.v, &self.force, &mut self.next_v);
         }
         if !in_bounds(&self.next_v) {

@@ -2,6 +2,7 @@
 
 use legwork::episode::{self, Outcome};
 use legwork::settings::{SETTINGS, Valid};
+use legwork::sim::settings::ContactModel;
 use legwork::{library, scenario_file};
 use proptest::prelude::*;
 
@@ -49,6 +50,18 @@ fn check(name: &str, sets: &[String]) -> Result<(), TestCaseError> {
     let limit = loaded.scenario.controller.limits.torque_nm;
     let peak = run.metrics.torque_nm.map_or(f64::INFINITY, |torque| torque.peak);
     prop_assert!(peak <= limit, "a torque of {peak} Nm over the limit of {limit} Nm");
+    let audit = run.audit.as_ref().expect("the simulator keeps books");
+    prop_assert!(
+        audit.contact_sweeps < 2000,
+        "{} solves for the contacts of a step with {sets:?}",
+        audit.contact_sweeps
+    );
+    // With more friction than that, forces may have no bound where a foot is wedged in.
+    let ground = &loaded.scenario.ground;
+    if loaded.scenario.simulation.contact.model == ContactModel::Rigid && ground.friction < 3.0 {
+        let residual = audit.contact_residual_n;
+        prop_assert!(residual < 0.1, "the contacts' law is missed by {residual} N with {sets:?}");
+    }
     match run.outcome {
         Outcome::Fell(_) => prop_assert!(run.reason.is_some_and(|reason| reason.starts_with("fell at "))),
         Outcome::Completed => prop_assert!(run.reason.is_none()),
@@ -62,7 +75,7 @@ proptest! {
 
     #[test]
     fn any_valid_scenario_has_an_outcome(
-        name in prop::sample::select(vec!["walk", "push", "push-replan", "waypoints"]),
+        name in prop::sample::select(vec!["walk", "push", "push-replan", "waypoints", "stand-push", "exo-lift", "exo-sway"]),
         draws in prop::collection::vec((0..1000_usize, 0.0..1.0f64), 0..8),
     ) {
         let mut sets: Vec<String> = draws.iter().filter_map(|&(index, share)| assignment(index, share)).collect();
