@@ -49,7 +49,7 @@ pub enum Field {
     Slack,
     /// -1 or 1 where a limit of the program is active at its lower or upper side.
     ActiveLimit,
-    /// Acceleration that the braking distance (4.32) asks a joint for [rad/s²], else 0.
+    /// Acceleration with which a joint has to brake for the end of its range (4.32) or its largest speed [rad/s²], else 0.
     Braking,
     /// Status of the program (0 optimal, 1 infeasible, 2 iteration limit, 3 not convex, 4 invalid), fallback (0 none,
     /// 1 joint limits yielded, 2 acceleration limits yielded, 3 hard tasks yielded, 4 torque held), iterations, programs

@@ -111,7 +111,7 @@ const KNOWN: [Known; 17] = [
 
 /// The same for the walker.
 #[rustfmt::skip]
-const KNOWN_FEET: [Known; 17] = [
+const KNOWN_FEET: [Known; 18] = [
     ("push-walking", &["pushes.0.force_n=650", "pushes.0.start_s=5.2"], "push", "",
         &["pushes.0.force_n=450", "pushes.0.start_s=5.2"]),
     ("push-walking", &["pushes.0.force_n=850", "pushes.0.direction_deg=180", "pushes.0.start_s=5.3"], "push", "",
@@ -134,6 +134,8 @@ const KNOWN_FEET: [Known; 17] = [
         &["ground.profile=[[2.05,0],[2.07,0.08]]", "ground.relief_known=true"]),
     ("feet-walk", &["ground.profile=[[1.8,0],[1.82,0.08]]"], "missed-ground", "left_foot",
         &["ground.profile=[[1.8,0],[1.82,0.02]]"]),
+    ("feet-walk", &["ground.profile=[[1.95,0],[1.97,0.08]]", "ground.relief_known=true"], "missed-ground", "left_foot",
+        &["ground.profile=[[1.93,0],[1.95,0.08]]", "ground.relief_known=true"]),
     ("feet-walk", &["ground.slope_deg=-12", "ground.known=false"], "missed-ground", "left_foot",
         &["ground.slope_deg=-12", "ground.known=false", "controller.assumed_slope_deg=-12"]),
     ("stand-push", &["pushes.0.force_n=800"], "outweighed", "", &["pushes.0.force_n=800", "controller.weights.torso=0.3"]),
@@ -175,7 +177,7 @@ fn the_end_of_an_ankles_range_is_named() {
     let run = episode::run(&scenario, &model, &[], |_| false).expect("it can start");
     let found = diagnosis(&run);
     assert_eq!(found.cause, FirstCause::JointLimit { joint: "right_ankle".into() }, "{}", found.sentence);
-    assert_eq!(number(&found.sentence, "right ankle braked before its end at", "deg"), 40.0);
+    assert_eq!(number(&found.sentence, "right ankle was held back by its end at", "deg"), 40.0);
     model.dofs.iter_mut().filter(|dof| dof.name.ends_with("ankle")).for_each(|dof| dof.upper = 75.0_f64.to_radians());
     let run = episode::run(&scenario, &model, &[], |_| false).expect("it can start");
     assert_eq!(run.outcome, Outcome::Completed, "{:?}", run.reason);
@@ -317,6 +319,20 @@ fn the_ground_that_a_walker_did_not_know_is_as_the_scenario_has_it() {
     );
 }
 
+/// On a riser that it knows a foot comes down with its heel before the edge and its toe behind.
+#[test]
+fn an_edge_across_which_a_foot_comes_down_stands_above_its_sole() {
+    let run = common::run("feet-walk", &["ground.profile=[[1.95,0],[1.97,0.08]]", "ground.relief_known=true"]);
+    let sentence = &diagnosis(&run).sentence;
+    let last = run.log.len() - 1;
+    let [heel, toe] =
+        ["heel", "toe"].map(|end| ["x", "z"].map(|axis| column(&run, &format!("foot.left_{end}_{axis}"))[last]));
+    assert!(heel[0] < 1.97 && toe[0] > 1.97, "{heel:?} {toe:?}");
+    let sole = heel[1] + (1.97 - heel[0]) / (toe[0] - heel[0]) * (toe[1] - heel[1]);
+    let above = number(sentence, "the left foot came down across an edge", "cm above its sole");
+    assert!((above - 100.0 * (0.08 - sole)).abs() <= 0.5, "{above} cm, {sole} m: {sentence}");
+}
+
 /// On ground that is uneven by more than the walker bears, a push that carries the XcoM out of reach still is the cause.
 #[test]
 fn a_push_on_uneven_ground_is_the_cause() {
@@ -374,8 +390,12 @@ fn a_fall_by_definition_alone_is_unexplained() {
 fn every_label_is_another_and_each_has_a_scenario() {
     let mut labels = FirstCause::LABELS.map(|(label, _)| label).to_vec();
     assert!(labels.iter().all(|label| label.chars().all(|c| c.is_ascii_lowercase() || c == '-')));
-    let shown: Vec<&str> =
-        KNOWN.iter().chain(&KNOWN_FEET).map(|known| known.2).chain(["joint-limit", "unexplained"]).collect();
+    let shown: Vec<&str> = KNOWN
+        .iter()
+        .chain(&KNOWN_FEET)
+        .map(|known| known.2)
+        .chain(["joint-limit", "speed-limit", "unexplained"])
+        .collect();
     assert!(labels.iter().all(|label| shown.contains(label)), "{labels:?}");
     labels.sort_unstable();
     labels.dedup();

@@ -1,9 +1,10 @@
 //! The bounds of the program. Thesis 4.4.4
 
 use legwork_qp::Problem;
+use legwork_rbd::Dof;
 
 use super::{Inputs, Layout};
-use crate::settings::{JointLimits, QpForm};
+use crate::settings::{JointLimits, Limits, QpForm};
 
 /// Each component of a contact's force is limited; a contact is switched off by its bounds (in the slack form by the
 /// rows of (4.10)).
@@ -95,20 +96,23 @@ pub fn braking(inputs: &Inputs<'_>, dof: usize) -> Option<f64> {
 /// The accelerations that keep a joint within its range and below its largest speed, lowest and highest [rad/s²].
 fn joint_limits(inputs: &Inputs<'_>, dof: usize) -> [f64; 2] {
     let joint = &inputs.model.dofs[dof];
-    let (v, most) = (inputs.v[dof], joint.velocity_limit);
-    // It comes to its largest speed no faster than exponentially.
-    let [slowest, fastest] = [-most, most].map(|speed| inputs.limits.approach_rate_1ps * (speed - v));
-    let [lower, upper] = range(inputs, dof);
+    let (q, v) = (inputs.q[inputs.model.bodies[joint.body].q_index], inputs.v[dof]);
+    let [slowest, fastest] = speed(inputs.limits, joint, v);
+    let [lower, upper] = range(inputs.limits, joint, q, v);
     let upper = upper.min(fastest).max(slowest);
     [lower.max(slowest).min(upper), upper]
 }
 
-/// The accelerations that keep a joint within its range, lowest and highest [rad/s²].
-fn range(inputs: &Inputs<'_>, dof: usize) -> [f64; 2] {
-    let joint = &inputs.model.dofs[dof];
-    let (q, v) = (inputs.q[inputs.model.bodies[joint.body].q_index], inputs.v[dof]);
-    let largest = inputs.limits.joint_acceleration_radps2;
-    match inputs.limits.joint_limits {
+/// The accelerations that keep a joint of velocity `v` below its largest speed, lowest and highest [rad/s²]: it comes to that no faster
+/// than exponentially.
+pub fn speed(limits: &Limits, joint: &Dof, v: f64) -> [f64; 2] {
+    [-joint.velocity_limit, joint.velocity_limit].map(|speed| limits.approach_rate_1ps * (speed - v))
+}
+
+/// The accelerations that keep a joint of position `q` and velocity `v` within its range, lowest and highest [rad/s²].
+pub fn range(limits: &Limits, joint: &Dof, q: f64, v: f64) -> [f64; 2] {
+    let largest = limits.joint_acceleration_radps2;
+    match limits.joint_limits {
         JointLimits::BrakingDistance => {
             // Thesis (4.32)
             let distance = v * v / (2.0 * largest); // b_i
@@ -118,7 +122,7 @@ fn range(inputs: &Inputs<'_>, dof: usize) -> [f64; 2] {
         }
         JointLimits::Approach => {
             // The distance d to a limit shrinks no faster than critically damped: d̈ + 2 k ḋ + k² d ≥ 0.
-            let k = inputs.limits.approach_rate_1ps;
+            let k = limits.approach_rate_1ps;
             [joint.lower, joint.upper].map(|limit| k * k * (limit - q) - 2.0 * k * v)
         }
     }

@@ -82,7 +82,8 @@ pub struct Tick {
     pub solution: Solution,
     /// For each of [`Layout::limits`]: -1 or 1 where its lower or upper side is active, else 0.
     pub active: Vec<i8>,
-    /// For each actuated joint, the acceleration that the braking distance (4.32) asks for [rad/s²], else zero.
+    /// For each actuated joint, the acceleration with which it has to brake for the end of its range (4.32) or its largest speed
+    /// [rad/s²], else zero.
     pub braking: Vec<f64>,
 }
 

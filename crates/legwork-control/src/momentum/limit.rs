@@ -4,8 +4,8 @@ use legwork_contract::names;
 use legwork_qp::Constraint;
 use legwork_rbd::Model;
 
-/// What a limit limits. The ends of a joint's range have no limit of their own in this program: they bound the joint's
-/// acceleration (4.32).
+/// What a limit limits. The ends of a joint's range and its largest speed have no limits of their own in this program: they
+/// bound the joint's acceleration (4.32).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LimitKind {
     /// The torque of an actuated joint.

@@ -34,8 +34,13 @@ pub enum FirstCause {
         /// Which.
         foot: String,
     },
-    /// A joint had to brake before its end.
+    /// The end of its range held a joint back.
     JointLimit {
+        /// Which.
+        joint: String,
+    },
+    /// Its largest speed held a joint back.
+    SpeedLimit {
         /// Which.
         joint: String,
     },
@@ -44,7 +49,8 @@ pub enum FirstCause {
         /// Which.
         joint: String,
     },
-    /// The ground below a foot was not where the controller believed it to be, or rose in the way of a foot that swung.
+    /// The ground below a foot was not where the controller believed it to be, rose in the way of a foot that swung, or had an edge where
+    /// it came down.
     MissedGround {
         /// Which.
         foot: String,
@@ -70,12 +76,13 @@ pub enum FirstCause {
 
 impl FirstCause {
     /// Label and title of each cause, in the order of the enum: what a table of causes has as rows.
-    pub const LABELS: [(&'static str, &'static str); 14] = [
+    pub const LABELS: [(&'static str, &'static str); 15] = [
         ("torque-limit", "torque limit"),
         ("torque-rate-limit", "torque rate limit"),
         ("force-limit", "contact force limit"),
         ("friction", "friction"),
         ("joint-limit", "end of a joint's range"),
+        ("speed-limit", "joint speed limit"),
         ("acceleration-limit", "joint acceleration limit"),
         ("missed-ground", "ground in the way or not where it was believed"),
         ("infeasible-program", "infeasible program"),
@@ -94,15 +101,16 @@ impl FirstCause {
             Self::ForceLimit { .. } => 2,
             Self::Friction { .. } => 3,
             Self::JointLimit { .. } => 4,
-            Self::AccelerationLimit { .. } => 5,
-            Self::MissedGround { .. } => 6,
-            Self::InfeasibleProgram => 7,
-            Self::Outweighed { .. } => 8,
-            Self::StepTooShort => 9,
-            Self::Push => 10,
-            Self::Sensing => 11,
-            Self::Numerics => 12,
-            Self::Unexplained => 13,
+            Self::SpeedLimit { .. } => 5,
+            Self::AccelerationLimit { .. } => 6,
+            Self::MissedGround { .. } => 7,
+            Self::InfeasibleProgram => 8,
+            Self::Outweighed { .. } => 9,
+            Self::StepTooShort => 10,
+            Self::Push => 11,
+            Self::Sensing => 12,
+            Self::Numerics => 13,
+            Self::Unexplained => 14,
         }
     }
 
@@ -122,6 +130,7 @@ impl FirstCause {
             Self::TorqueLimit { joint }
             | Self::TorqueRate { joint }
             | Self::JointLimit { joint }
+            | Self::SpeedLimit { joint }
             | Self::AccelerationLimit { joint } => Some(joint),
             Self::ForceLimit { foot } | Self::Friction { foot } | Self::MissedGround { foot } => Some(foot),
             Self::InfeasibleProgram
@@ -156,7 +165,8 @@ pub enum What {
     Saturated {
         /// Which.
         cause: FirstCause,
-        /// Its value [Nm, Nm/s, N, rad/s², or 1 of friction; of a joint's range the end that it moved to, rad].
+        /// Its value [Nm, Nm/s, rad/s and rad/s², of a joint that slides N, N/s, m/s and m/s²; N of a foot's force, 1 of friction];
+        /// of a joint's range the end that held it back [rad or m].
         value: f64,
         /// For which share of the step or double support, 0 to 1.
         share: f64,
@@ -195,6 +205,13 @@ pub enum What {
         /// Which.
         foot: String,
         /// How much higher [m].
+        higher: f64,
+    },
+    /// A foot came down across an edge of the ground.
+    Straddled {
+        /// Which.
+        foot: String,
+        /// How far the edge stands above the sole [m].
         higher: f64,
     },
     /// The program let standing feet accelerate, and counted on forces that the ground did not give.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use legwork_rbd::Model;
+use legwork_rbd::{Dof, Model};
 
 use super::FirstCause;
 use super::reach::Steps;
@@ -12,9 +12,9 @@ use crate::feet::FootRows;
 use crate::generator::xcom;
 use crate::log::{Field, Log};
 use crate::momentum::tasks::{feet, momentum, torso};
-use crate::momentum::{Fallback, Limit, LimitKind, Task};
+use crate::momentum::{Fallback, Limit, LimitKind, Task, bounds};
 use crate::robot::Robot;
-use crate::scenario::{Scenario, Tracking};
+use crate::scenario::{JointLimits, Scenario, Tracking};
 use crate::terrain::Terrain;
 
 /// A force or torque is at its limit from this share of it on.
@@ -36,6 +36,17 @@ pub(super) struct Saturation {
     limits: Vec<usize>,
     /// Index among the actuated joints, or of the foot.
     index: usize,
+}
+
+/// What holds a joint's acceleration at its bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Hold {
+    /// An end of its range.
+    Range,
+    /// Its largest speed.
+    Speed,
+    /// Its largest acceleration.
+    Acceleration,
 }
 
 /// A log with what is needed to read it.
@@ -203,11 +214,9 @@ impl<'a> Evidence<'a> {
         let active = saturation.limits.iter().filter(|&&limit| limits[limit] != 0.0).count();
         let index = saturation.index;
         match saturation.cause {
-            FirstCause::AccelerationLimit { .. } => active > 0 && self.log.get(i, Field::Braking)[index] == 0.0,
-            FirstCause::JointLimit { .. } => {
-                let yielded = self.fallback(i) >= f64::from(Fallback::JointLimitsYield as u8);
-                (active > 0 || yielded) && self.log.get(i, Field::Braking)[index] != 0.0
-            }
+            FirstCause::AccelerationLimit { .. } => self.holds(saturation, i, Hold::Acceleration),
+            FirstCause::JointLimit { .. } => self.holds(saturation, i, Hold::Range),
+            FirstCause::SpeedLimit { .. } => self.holds(saturation, i, Hold::Speed),
             FirstCause::TorqueLimit { .. } => active > 0 && !self.is_slewing(index, i),
             FirstCause::TorqueRate { .. } => active > 0 && self.is_slewing(index, i),
             // Less than the limit is what the foot is to carry while it is unloaded.
@@ -218,6 +227,45 @@ impl<'a> Evidence<'a> {
             FirstCause::Friction { .. } => (1..=self.model.linear_axes().len() - 1).contains(&active),
             _ => active > 0,
         }
+    }
+
+    fn holds(&self, saturation: &Saturation, i: usize, hold: Hold) -> bool {
+        self.held(saturation, i).is_some_and(|(what, _)| what == hold)
+    }
+
+    /// What holds the acceleration of an actuated joint at its bound, and at which: 1 the upper, -1 the lower. A braking joint's bound that
+    /// became a cost holds it too.
+    fn held(&self, saturation: &Saturation, i: usize) -> Option<(Hold, f64)> {
+        let (index, dof) = (saturation.index, self.actuated[saturation.index]);
+        let yielded = |fallback: Fallback| self.fallback(i) >= f64::from(fallback as u8);
+        let braking = self.log.get(i, Field::Braking)[index];
+        let active = self.log.get(i, Field::ActiveLimit)[saturation.limits[0]];
+        let at = self.log.get(i, Field::Acceleration)[dof];
+        // Braking as hard as it may, a joint has one acceleration left: both of its bounds.
+        let brakes =
+            yielded(Fallback::JointLimitsYield) || active != 0.0 && (at - braking).abs() < 1e-6 * braking.abs();
+        let (side, at) = match braking != 0.0 && brakes {
+            true => (-braking.signum(), braking),
+            false if active != 0.0 => (active, at),
+            false => return None,
+        };
+        let (limits, joint) = (&self.scenario.controller.limits, &self.model.dofs[dof]);
+        let largest =
+            if yielded(Fallback::AccelerationsYield) { f64::INFINITY } else { limits.joint_acceleration_radps2 };
+        if at * side >= FULL * largest {
+            return Some((Hold::Acceleration, side));
+        }
+        let (q, v) = (self.log.get(i, Field::Q)[self.model.bodies[joint.body].q_index], self.log.get(i, Field::V)[dof]);
+        let off = |bound: f64| (bound.clamp(-largest, largest) - at).abs();
+        let speed = bounds::speed(limits, joint, v).map(off);
+        let range = match limits.joint_limits {
+            JointLimits::BrakingDistance => off(-side * limits.joint_acceleration_radps2),
+            JointLimits::Approach => off(bounds::range(limits, joint, q, v)[usize::from(side > 0.0)]),
+        };
+        let is_speed = joint.velocity_limit.is_finite() && speed[0].min(speed[1]) <= range;
+        // On its way to its end a joint that need not brake is not held back.
+        let hold = if is_speed { Some(Hold::Speed) } else { (braking != 0.0).then_some(Hold::Range) };
+        hold.map(|hold| (hold, side))
     }
 
     /// Whether the torque of an actuated joint, where a bound holds it, is within its limit.
@@ -249,19 +297,25 @@ impl<'a> Evidence<'a> {
         xcom::eigenfrequency(self.model.gravity, com[self.axes - 1] - self.ground.height_at(x, y))
     }
 
-    /// The value of a limit; of a joint's range, the end that it moves to in tick `i` [Nm, N, rad/s², 1, rad].
-    pub(super) fn limit_value(&self, cause: &FirstCause, i: usize) -> f64 {
+    /// The joint of this name.
+    pub(super) fn joint(&self, name: &str) -> Option<&Dof> {
+        self.model.dofs.iter().find(|dof| dof.name == name)
+    }
+
+    /// The value of a limit that is active in tick `i`: [`What::Saturated`](super::What::Saturated).
+    pub(super) fn limit_value(&self, saturation: &Saturation, i: usize) -> f64 {
         let limits = &self.scenario.controller.limits;
-        let dof = |joint: &str| self.model.dofs.iter().position(|dof| dof.name == *joint).unwrap_or(0);
-        match cause {
-            FirstCause::TorqueLimit { joint } => self.torque_limit(dof(joint)),
+        let joint = || &self.model.dofs[self.actuated[saturation.index]];
+        match saturation.cause {
+            FirstCause::TorqueLimit { .. } => self.torque_limit(self.actuated[saturation.index]),
             FirstCause::TorqueRate { .. } => limits.torque_rate_nmps,
             FirstCause::ForceLimit { .. } => limits.grf_n,
             FirstCause::AccelerationLimit { .. } => limits.joint_acceleration_radps2,
-            FirstCause::JointLimit { joint } => {
-                let limit = &self.model.dofs[dof(joint)];
-                if self.log.get(i, Field::V)[dof(joint)] > 0.0 { limit.upper } else { limit.lower }
-            }
+            FirstCause::SpeedLimit { .. } => joint().velocity_limit,
+            FirstCause::JointLimit { .. } => match self.held(saturation, i) {
+                Some((_, side)) if side > 0.0 => joint().upper,
+                _ => joint().lower,
+            },
             _ => self.assumed_friction(),
         }
     }
@@ -305,6 +359,7 @@ fn saturations(model: &Model, limits: &[Limit]) -> Vec<Saturation> {
         all.push(of(FirstCause::TorqueLimit { joint: joint.clone() }, index, &torque));
         all.push(of(FirstCause::TorqueRate { joint: joint.clone() }, index, &torque));
         all.push(of(FirstCause::JointLimit { joint: joint.clone() }, index, &acceleration));
+        all.push(of(FirstCause::SpeedLimit { joint: joint.clone() }, index, &acceleration));
         all.push(of(FirstCause::AccelerationLimit { joint }, index, &acceleration));
     }
     for (index, point) in model.contacts.iter().enumerate() {

@@ -65,6 +65,29 @@ impl Evidence<'_> {
         self.relief(i, 1 - foot) - self.relief(i, foot)
     }
 
+    /// How far the ground stands above the sole of a foot in tick `i`, between two of its contact points [m]; 0 where it nowhere does.
+    pub(super) fn above_the_sole(&self, i: usize, foot: usize) -> f64 {
+        let points: Vec<&[f64]> = self.model.points_of(foot).map(|point| self.point(i, point)).collect();
+        let above = |back: &[f64], front: &[f64]| -> f64 {
+            let knots = self.ground.knots([back[0], front[0]]).into_iter();
+            let at = |x: f64| {
+                let share = (x - back[0]) / (front[0] - back[0]);
+                let between = |axis: usize| back[axis] + share * (front[axis] - back[axis]);
+                let y = if self.axes == 3 { between(1) } else { 0.0 };
+                self.ground.height_at(x, y) - between(self.axes - 1)
+            };
+            knots.map(at).fold(0.0, f64::max)
+        };
+        let pairs = points.iter().flat_map(|back| points.iter().map(move |front| (back, front)));
+        pairs.filter(|(back, front)| back[0] < front[0]).map(|(back, front)| above(back, front)).fold(0.0, f64::max)
+    }
+
+    /// The foot that a part of the body belongs to: its joint or its link.
+    pub(super) fn foot_of(&self, part: &str) -> Option<usize> {
+        let of = |point: usize| &self.model.bodies[self.model.contacts[point].body];
+        (0..2).find(|&foot| self.model.points_of(foot).map(of).any(|body| body.name == part || body.joint_name == part))
+    }
+
     /// How high the ground is below the lowest point of a foot in tick `i`, over the slope that the controller believes in [m].
     pub(super) fn relief(&self, i: usize, foot: usize) -> f64 {
         let lowest = |a: &usize, b: &usize| {

@@ -120,6 +120,7 @@ fn first_cause(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Optio
     let walks = matches!(evidence.steps, Steps::Walker(_));
     numerics(evidence, failure, fall)
         .or_else(|| stubbed(evidence, failure))
+        .or_else(|| straddled(evidence, failure, fall))
         .or_else(|| misstep(evidence, failure).filter(|_| walks))
         .or_else(|| slide(evidence, failure))
         .or_else(|| missed_ground(evidence, failure))
@@ -157,6 +158,16 @@ fn stubbed(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Ev
     let name = evidence.foot_name(foot);
     let event = Event { time: evidence.time(at), what: What::Stubbed { foot: name.clone(), higher } };
     Some((FirstCause::MissedGround { foot: name }, event))
+}
+
+/// All was in order until a foot came down across an edge, which its contact points do not feel and its link does.
+fn straddled(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Option<(FirstCause, Event)> {
+    let Cause::BodyTouches { part } = &fall.cause else { return None };
+    let (foot, last) = (evidence.foot_of(part)?, evidence.log.len() - 1);
+    let (name, higher) = (evidence.foot_name(foot), evidence.above_the_sole(last, foot));
+    let event = Event { time: evidence.time(last), what: What::Straddled { foot: name.clone(), higher } };
+    let holds = failure.kind == Kind::Sudden && higher > MISSTEP;
+    holds.then_some((FirstCause::MissedGround { foot: name }, event))
 }
 
 /// Energy came from nothing, or feet that should stand bounced on the damped spring, before anything failed.
@@ -365,7 +376,7 @@ fn told(evidence: &Evidence<'_>, limit: &Saturation, ticks: &Range<usize>) -> Ev
     let begin = stretch.ticks.clone().find(|&i| evidence.is_saturated(limit, i)).unwrap_or(stretch.ticks.start);
     let what = What::Saturated {
         cause: limit.cause.clone(),
-        value: evidence.limit_value(&limit.cause, begin),
+        value: evidence.limit_value(limit, begin),
         share: evidence.share(limit, stretch.ticks.clone()),
         swing: stretch.foot.map(|foot| evidence.foot_name(foot)),
     };

@@ -100,7 +100,7 @@ fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -
                 Some(foot) => format!("of the {}'s swing", plain(foot)),
                 None => "of the double support".to_owned(),
             };
-            format!("{} for {:.0} % {during}", at_limit(cause, *value)?, 100.0 * share)
+            format!("{} for {:.0} % {during}", at_limit(evidence, cause, *value)?, 100.0 * share)
         }
         What::Slid { foot, by, friction, believed } => {
             let (friction, assumed) = (rounded(*friction), rounded(*believed));
@@ -152,6 +152,9 @@ fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -
         What::Stubbed { foot, higher } => {
             format!("the {} met ground {:.0} cm higher on its way at {:.2} s", plain(foot), 100.0 * higher, event.time)
         }
+        What::Straddled { foot, higher } => {
+            format!("the {} came down across an edge {:.0} cm above its sole", plain(foot), 100.0 * higher)
+        }
         What::Unmet { force, given_up } => format!(
             "the program let standing feet accelerate by {given_up:.0} m/s2 and so counted on {force:.0} N more than the ground gave"
         ),
@@ -183,21 +186,25 @@ fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -
 }
 
 /// A part at its limit.
-fn at_limit(cause: &FirstCause, value: f64) -> Option<String> {
-    let part = plain(cause.part()?);
-    match cause {
-        FirstCause::TorqueLimit { .. } => Some(format!("the {part} was at its {value:.0} Nm torque limit")),
+fn at_limit(evidence: &Evidence<'_>, cause: &FirstCause, value: f64) -> Option<String> {
+    let (name, number) = (cause.part()?, rounded(value));
+    let part = plain(name);
+    let slides = evidence.joint(name).is_some_and(|joint| !joint.rotational);
+    let (force, what, length) = if slides { ("N", "force", "m") } else { ("Nm", "torque", "rad") };
+    let text = match cause {
+        FirstCause::TorqueLimit { .. } => format!("the {part} was at its {number} {force} {what} limit"),
         FirstCause::TorqueRate { .. } => {
-            Some(format!("the {part}'s torque changed as fast as it may, {value:.0} Nm/s,"))
+            format!("the {part}'s {what} changed as fast as it may, {number} {force}/s,")
         }
-        FirstCause::AccelerationLimit { .. } => Some(format!("the {part} was at its limit of {value:.0} rad/s2")),
+        FirstCause::AccelerationLimit { .. } => format!("the {part} was at its limit of {number} {length}/s2"),
+        FirstCause::SpeedLimit { .. } => format!("the {part} was held to its speed limit of {number} {length}/s"),
+        FirstCause::JointLimit { .. } if slides => format!("the {part} was held back by its end at {number} m"),
         FirstCause::JointLimit { .. } => {
-            Some(format!("the {part} braked before its end at {:.0} deg", value.to_degrees()))
+            format!("the {part} was held back by its end at {} deg", rounded(value.to_degrees()))
         }
-        FirstCause::ForceLimit { .. } => Some(format!("the {part} was at its {value:.0} N force limit")),
-        FirstCause::Friction { .. } => {
-            Some(format!("the {part} was at the edge of its friction cone ({})", rounded(value)))
-        }
-        _ => None,
-    }
+        FirstCause::ForceLimit { .. } => format!("the {part} was at its {number} N force limit"),
+        FirstCause::Friction { .. } => format!("the {part} was at the edge of its friction cone ({number})"),
+        _ => return None,
+    };
+    Some(text)
 }
