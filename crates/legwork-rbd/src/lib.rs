@@ -49,6 +49,7 @@ mod base;
 mod bias;
 mod centroidal;
 mod check;
+pub mod content;
 mod description;
 mod dynamics;
 mod elastic;

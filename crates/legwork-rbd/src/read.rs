@@ -6,6 +6,7 @@ use nalgebra::{Unit, Vector3};
 use serde::de::DeserializeOwned;
 
 use crate::base::Base;
+use crate::content::Content;
 use crate::error::ModelError;
 use crate::file::{self, Lines};
 use crate::model::Model;
@@ -166,12 +167,15 @@ impl<'a> Source<'a> {
         ModelError::invalid(self.file, line, subject, problem)
     }
 
-    /// Parses TOML into `T`; `content` says what the file should hold.
-    pub(crate) fn parse_toml<T: DeserializeOwned>(&self, content: &str) -> Result<T, ModelError> {
+    /// Parses TOML into `T`, which is `wanted`; `keys` says what the file should hold.
+    pub(crate) fn parse_toml<T: DeserializeOwned>(&self, wanted: Content, keys: &str) -> Result<T, ModelError> {
         if self.text.trim().is_empty() {
-            return Err(self.syntax(None, format!("is empty; it should hold {content}")));
+            return Err(self.syntax(None, format!("is empty; it should hold {keys}")));
         }
         toml::from_str(self.text).map_err(|error| {
+            if let Some(content) = Content::other_than(wanted, self.file, self.text) {
+                return self.syntax(None, content.instead_of(wanted, self.file));
+            }
             let line = error.span().and_then(|span| self.line(span.start));
             self.syntax(line, error.message())
         })

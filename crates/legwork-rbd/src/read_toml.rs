@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 use toml::Spanned;
 
 use crate::base::Base;
+use crate::content::Content;
 use crate::description::{BodyDescription, ContactDescription, Description, FrameDescription, JointDescription};
 use crate::error::ModelError;
 use crate::joints::{Fixed, Form, Joint, Key, Kind, Revolute};
@@ -18,7 +19,7 @@ use crate::words;
 /// Reads a model; `base` overrides the file's own.
 pub(crate) fn read_toml(text: &str, file_name: &str, base: Option<Base>) -> Result<(Model, Roles), ModelError> {
     let source = Source::new(file_name, text);
-    let file: ModelFile = source.parse_toml("a model: name, base and bodies")?;
+    let file: ModelFile = source.parse_toml(Content::Model, "a model: name, base and bodies")?;
     if file.base_pitch.is_some() && file.base != Base::Planar {
         let problem = "limits of a planar base, but the base is another; leave it out";
         return Err(source.invalid(None, "base_pitch", problem));

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::base::Base;
+use crate::content::Content;
 use crate::description::{BodyDescription, Description, JointDescription};
 use crate::error::ModelError;
 use crate::joints::{Fixed, Joint, Kind};
@@ -51,7 +52,7 @@ pub(crate) fn read_urdf(
     let (side_text, side_name) = sidecar.unwrap_or(("", file_name));
     let side_source = Source::new(side_name, side_text);
     let side: SideFile = match sidecar {
-        Some(_) => side_source.parse_toml("base, torso, contacts, actuated or passive")?,
+        Some(_) => side_source.parse_toml(Content::SideFile, "base, torso, contacts, actuated or passive")?,
         None => SideFile::default(),
     };
     let mut bodies = bodies(&robot, &source)?;

@@ -11,6 +11,7 @@ use crate::design::Design;
 use crate::factor::{Factor, Level, Levels, Range};
 use legwork::error::Error;
 use legwork::settings;
+use legwork_rbd::content::Content;
 use legwork_rbd::file::Lines;
 use legwork_rbd::words::quoted;
 
@@ -132,13 +133,16 @@ impl Source<'_> {
         self.error(place.map_or(0, |(_, start)| start), &format!("set.{path}"), problem)
     }
 
-    /// Reads the text.
-    pub(super) fn parse<T: for<'de> Deserialize<'de>>(&self) -> Result<T, Error> {
+    /// Reads the text, which should hold what is `wanted`.
+    pub(super) fn parse<T: for<'de> Deserialize<'de>>(&self, wanted: Content) -> Result<T, Error> {
         if self.text.trim().is_empty() {
             let problem = "nothing in it; `legwork show interactions` prints a study to start from";
             return Err(Error::invalid(self.file_name, problem));
         }
         toml::from_str(self.text).map_err(|error| {
+            if let Some(content) = Content::other_than(wanted, self.file_name, self.text) {
+                return Error::invalid(self.file_name, content.instead_of(wanted, self.file_name));
+            }
             let place = error.span().map_or_else(|| self.file_name.to_owned(), |span| self.line(span.start));
             Error::invalid(place, error.message())
         })

@@ -12,6 +12,7 @@ use crate::{Base, Change, Factor, Level, Rollout, Variant};
 use legwork::error::Error;
 use legwork::library::{self, Kind};
 use legwork::settings::holds;
+use legwork_rbd::content::Content;
 use legwork_rbd::words::{list, quoted};
 
 /// Scenarios, factors and a design: what is run, and in which order.
@@ -85,7 +86,7 @@ impl Study {
     /// As [`Study::load`].
     pub fn parse(text: &str, file_name: &str, folder: Option<&Path>, sets: &[String]) -> Result<Self, Error> {
         let source = Source { file_name, text };
-        let mut file: StudyFile = source.parse()?;
+        let mut file: StudyFile = source.parse(Content::Study)?;
         let bases = load_bases(&mut file, &source, folder, sets)?;
         let (design, factors) = (file.design(&source)?, file.factors(&source)?);
         for (factor, entry) in factors.iter().zip(&file.factors) {

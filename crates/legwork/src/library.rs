@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+use legwork_rbd::content::Content;
 use legwork_rbd::words::{list, quoted};
 use legwork_rbd::{Base, file};
 
@@ -145,7 +146,7 @@ pub fn load_model_with_base(name_or_path: &str, folder: Option<&Path>, base: Opt
     }
     let path = folder.unwrap_or(Path::new("")).join(name_or_path);
     if is_mere_name(name_or_path) && !path.exists() {
-        return Err(Error::invalid("model", not_found("model", name_or_path, model_names())));
+        return Err(Error::invalid("model", not_found(Content::Model, name_or_path)));
     }
     may_read(&path)?;
     Ok(Robot::load_with_base(&path, base)?)
@@ -168,6 +169,14 @@ impl Kind {
             Self::Scenario => SCENARIOS,
             Self::Study => STUDIES,
             Self::Tuning => TUNINGS,
+        }
+    }
+
+    fn content(self) -> Content {
+        match self {
+            Self::Scenario => Content::Scenario,
+            Self::Study => Content::Study,
+            Self::Tuning => Content::Tuning,
         }
     }
 
@@ -208,7 +217,7 @@ pub fn open(kind: Kind, name_or_path: &str, folder: Option<&Path>) -> Result<Doc
     }
     let path = folder.unwrap_or(Path::new("")).join(name_or_path);
     if !path.exists() {
-        let problem = not_found(kind.name(), name_or_path, kind.entries().iter().map(|entry| entry.0));
+        let problem = not_found(kind.content(), name_or_path);
         return Err(if is_mere_name(name_or_path) {
             Error::invalid(kind.name(), problem)
         } else {
@@ -223,9 +232,22 @@ fn is_mere_name(text: &str) -> bool {
     !text.contains(['/', '\\', '.'])
 }
 
-/// That nothing has this name, with what does: `kind` is "model" or "scenario".
-fn not_found(kind: &str, name: &str, names: impl Iterator<Item = &'static str>) -> String {
-    let names: Vec<_> = names.collect();
+/// What is built in.
+const BUILT_IN: [(Content, &str, &[Entry]); 4] = [
+    (Content::Model, "model", MODELS),
+    (Content::Scenario, "scenario", SCENARIOS),
+    (Content::Study, "study", STUDIES),
+    (Content::Tuning, "tuning", TUNINGS),
+];
+
+/// That nothing that is `wanted` has this name, with what does.
+fn not_found(wanted: Content, name: &str) -> String {
+    if let Some((other, ..)) = BUILT_IN.iter().find(|(_, _, entries)| text(entries, name).is_some()) {
+        return other.instead_of(wanted, name);
+    }
+    let of = BUILT_IN.iter().find(|(content, ..)| *content == wanted);
+    let (_, kind, entries) = of.expect("nothing else is built in");
+    let names: Vec<_> = entries.iter().map(|entry| entry.0).collect();
     let stem = Path::new(name).file_stem().unwrap_or_default().to_string_lossy();
     let likeness = |known: &str| strsim::jaro_winkler(&stem, known);
     let near = names.iter().copied().filter(|known| likeness(known) > 0.8);

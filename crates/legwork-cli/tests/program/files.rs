@@ -196,3 +196,70 @@ fn sixteen_thousand_pushes_are_read_shown_and_run() {
     folder.file("many.toml", folder.text("many.toml").replace("force_n = 15999\n", "force_n = nan\n"));
     folder.refuses(2, &["run", "many.toml"], &[place, "found nan; valid is a number from"]);
 }
+
+/// A robot, an experiment, a study and a tuning, each given to the commands of the others.
+#[test]
+fn a_file_of_another_kind_is_called_by_its_name() {
+    let folder = Folder::new("other-kinds");
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let read = |path: &str| std::fs::read_to_string(root.join(path)).expect("a file of the repository");
+    for (name, from) in [
+        ("robot.toml", "models/planar_humanoid.toml"),
+        ("exo.urdf", "models/exo18.urdf"),
+        ("exo.legwork.toml", "models/exo18.legwork.toml"),
+        ("mine.toml", "scenarios/push.toml"),
+        ("study.toml", "studies/com-gain.toml"),
+        ("tuning.toml", "tunings/feet.toml"),
+    ] {
+        folder.file(name, read(from));
+    }
+    let found = [
+        ("robot.toml", "a robot model", "`legwork run SCENARIO --set model=robot.toml` simulates it"),
+        ("exo.urdf", "a robot model", "`legwork run SCENARIO --set model=exo.urdf` simulates it"),
+        (
+            "exo.legwork.toml",
+            "the side file of a robot's URDF",
+            "`legwork run SCENARIO --set model=exo.urdf` simulates it",
+        ),
+        ("mine.toml", "a scenario", "`legwork run mine.toml` runs it"),
+        ("study.toml", "a study", "`legwork study study.toml` runs it"),
+        ("tuning.toml", "a tuning", "`legwork tune tuning.toml` runs it"),
+    ];
+    for (command, wanted) in [("run", "a scenario"), ("show", "a scenario"), ("study", "a study"), ("tune", "a tuning")]
+    {
+        for (file, what, takes) in found.iter().filter(|(_, what, _)| *what != wanted) {
+            folder.refuses(2, &[command, file], &[&format!("{file}: found {what}, expected {wanted}; {takes}")]);
+        }
+    }
+    let robot = |file: &str| format!("model={file}");
+    for (file, what, takes) in &found[3..] {
+        let says = format!("{file}: found {what}, expected a robot model; {takes}");
+        folder.refuses(2, &["inspect", file], &[&says]);
+        folder.refuses(2, &["run", "walk", "--set", &robot(file)], &[&says]);
+    }
+    let side = "exo.legwork.toml: found the side file of a robot's URDF, expected a robot model; \
+                it is read with exo.urdf, which is to be named";
+    folder.refuses(2, &["inspect", "exo.legwork.toml"], &[side]);
+    folder.refuses(2, &["run", "exo-sway", "--set", &robot("exo.legwork.toml")], &[side]);
+    // What it is that another file names.
+    folder.file("based.toml", "extends = \"study.toml\"\n");
+    folder.refuses(2, &["run", "based.toml"], &["study.toml: found a study, expected a scenario"]);
+    folder.file("of-robots.toml", read("studies/com-gain.toml").replace("\"walk-baseline\"", "\"robot.toml\""));
+    folder.refuses(2, &["study", "of-robots.toml"], &["robot.toml: found a robot model, expected a scenario"]);
+    // What is built in.
+    for (command, name, says) in [
+        (
+            "run",
+            "exo18",
+            "found a robot model, expected a scenario; `legwork run SCENARIO --set model=exo18` simulates it",
+        ),
+        ("run", "com-gain", "found a study, expected a scenario; `legwork study com-gain` runs it"),
+        ("study", "thesis", "found a tuning, expected a study; `legwork tune thesis` runs it"),
+        ("inspect", "walk", "found a scenario, expected a robot model; `legwork run walk` runs it"),
+    ] {
+        folder.refuses(2, &[command, name], &[says]);
+    }
+    // A slip in a file is none of its kind.
+    folder.file("slip.toml", "duration_s = 1\nbase = \"floating\"\n");
+    folder.refuses(2, &["run", "slip.toml"], &["slip.toml:2: base: unknown; valid here: controller"]);
+}

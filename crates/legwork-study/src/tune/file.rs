@@ -10,6 +10,7 @@ use super::{Settings, Tuning, aims, factors};
 use crate::file::{FactorEntry, Source};
 use crate::rollout::columns;
 use legwork::error::Error;
+use legwork_rbd::content::Content;
 use legwork_rbd::words::quoted;
 
 /// A tuning as its file has it.
@@ -88,7 +89,7 @@ pub(super) fn read(text: &str, file_name: &str, folder: Option<&Path>) -> Result
         return Err(Error::invalid(file_name, "nothing in it; docs/tuning.md shows what a tuning needs"));
     }
     let source = Source { file_name, text };
-    let mut file: TuningFile = source.parse()?;
+    let mut file: TuningFile = source.parse(Content::Tuning)?;
     let (name, settings) = (file.name(&source)?, file.settings(&source)?);
     let mut reader = Reader { source, folder, families: Vec::new() };
     let training = reader.cases(&mut file.cases, "cases", &[])?;

@@ -21,6 +21,7 @@ use crate::scenario::{Scenario, TrajectoryKind};
 use crate::settings::{Setting, at, tree};
 use crate::wearer;
 use draft::{Draft, Places, Source};
+use legwork_rbd::content::Content;
 
 pub use write::to_toml;
 
@@ -198,6 +199,9 @@ impl Origin<'_> {
     /// Its values over those of the scenario that it extends; `extending` are the scenarios that extend this one.
     fn draft(&self, extending: &mut Vec<(PathBuf, String)>) -> Result<Draft, Error> {
         let source = Source::file(&self.file_name, &self.text);
+        if let Some(content) = Content::other_than(Content::Scenario, &self.file_name, &self.text) {
+            return Err(Error::invalid(&self.file_name, content.instead_of(Content::Scenario, &self.file_name)));
+        }
         let mut document = DeTable::parse(&self.text)
             .map_err(|error| {
                 let place = source.line(error.span().map_or(self.text.len(), |span| span.start));
