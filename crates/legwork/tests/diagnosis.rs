@@ -45,6 +45,13 @@ fn check_form(run: &Run, diagnosis: &Diagnosis) {
         let assumed = belief[1].split([',', ')', ' ']).next().expect("what was assumed");
         assert_ne!(said.parse::<f64>().expect("a number"), assumed.parse::<f64>().expect("a number"), "{sentence}");
     }
+    for event in &diagnosis.events {
+        if let What::Saturated { share, lasted, .. } = event.what {
+            let told =
+                if share < 0.3 { format!("for {lasted:.2} s of") } else { format!("for {:.0} % of", 100.0 * share) };
+            assert!(sentence.contains(&told), "{told}: {sentence}");
+        }
+    }
     if let FirstCause::Outweighed { task } = diagnosis.cause {
         let hard = run.tasks.iter().any(|known| known.name == task && known.how == Tracking::Equality);
         assert!(!hard, "a hard equality gives way to no cost: {sentence}");
@@ -317,6 +324,41 @@ fn the_ground_that_a_walker_did_not_know_is_as_the_scenario_has_it() {
             && sentence.contains("(slope -12 deg, assumed to be 0)"),
         "{sentence}"
     );
+}
+
+/// A double support of seconds, at whose end a knee comes to its largest speed, 10 rad/s.
+#[test]
+fn what_lasts_for_a_small_share_is_told_in_seconds() {
+    let push = "pushes=[{force_n=1066.9,direction_deg=0,start_s=1.621,duration_s=0.2}]";
+    let run = common::run("exo-sway", &["controller.tracking.feet=equality", "seed=384", push]);
+    let sentence = &diagnosis(&run).sentence;
+    let told = number(sentence, "the left kfe was held to its speed limit of 10 rad/s for", "s of the double support");
+    let (speed, swing) = (column(&run, "v.left_kfe"), column(&run, "swing"));
+    assert!(swing.iter().all(|&foot| foot < 0.0) && told < 0.3e-3 * swing.len() as f64, "{sentence}");
+    assert!(speed.iter().any(|speed| speed.abs() > 9.0), "{sentence}");
+}
+
+/// Pushed upward by more than its weight it flies, whatever its joints do in the air; a weaker push it survives.
+#[test]
+fn a_push_off_the_ground_is_the_cause() {
+    let push = |force: &str| format!("pushes=[{{force_n={force},direction_deg=72.3,start_s=0.251,duration_s=0.2}}]");
+    let run = common::run("stop-and-go", &[&push("1182.1"), "ground.unevenness_m=0.0201", "seed=152"]);
+    assert_eq!(diagnosis(&run).cause, FirstCause::Push, "{:?}", run.reason);
+    assert_eq!(
+        number(&diagnosis(&run).sentence, "because the push of", "Ns at 0.25 s had lifted it off the ground"),
+        236.0
+    );
+    let flies = |i: &usize| run.log.get(*i, Field::Touching).iter().all(|&touches| touches == 0.0);
+    assert!((0..run.log.len()).filter(flies).count() > 100);
+    assert_eq!(common::run("stop-and-go", &[&push("100")]).outcome, Outcome::Completed);
+}
+
+/// Feet that may not carry the weight slide while the robot sinks: they are not why.
+#[test]
+fn a_slide_of_a_robot_that_sinks_already_is_not_the_cause() {
+    let sets = ["ground.friction=0.278", "ground.known=false", "ground.slope_deg=9.45", "controller.limits.grf_n=247"];
+    let run = common::run("push", &sets);
+    assert_eq!(diagnosis(&run).cause.label(), "force-limit", "{:?}", run.reason);
 }
 
 /// On a riser that it knows a foot comes down with its heel before the edge and its toe behind.

@@ -170,6 +170,8 @@ pub enum What {
         value: f64,
         /// For which share of the step or double support, 0 to 1.
         share: f64,
+        /// How long in all [s].
+        lasted: f64,
         /// The foot that swung, none in double support.
         swing: Option<String>,
     },
@@ -227,6 +229,8 @@ pub enum What {
         impulse: f64,
         /// When it began [s].
         since: f64,
+        /// Whether no foot touched the ground then.
+        lifted: bool,
     },
     /// The controller was told of the state late or with noise, and no limit explains what followed.
     Misled {

@@ -22,8 +22,10 @@ use crate::scenario::{ContactModel, Push, Scenario};
 const LEAD: f64 = 0.25;
 /// A loaded foot slid this far [m]. In built-in scenarios that stand it is less than 0.01 m a step.
 const SLID: f64 = 0.02;
+/// Lift that is missing before a foot slides is why the robot sinks from this share of the weight on, in the mean.
+const LACKING: f64 = 0.1;
 /// A limit was active in this share of the time in which the failure grew.
-const SATURATED: f64 = 0.3;
+pub(super) const SATURATED: f64 = 0.3;
 /// Limits that were more active by this share than in the steps before come first: healthy steps touch limits, too.
 const MORE_THAN_BEFORE: f64 = 0.2;
 /// Among limits that account for at least this share of the most that one accounts for, the first to saturate counts.
@@ -48,6 +50,8 @@ const BOUNCED: f64 = 0.1;
 const UNMET: f64 = 0.05;
 /// It let standing feet accelerate by more than this [m/s²].
 const ACCELERATE: f64 = 1.0;
+/// A push lifted the robot off the ground where nothing touched that for this share of the time in which the failure grew.
+const LIFTED: f64 = 0.5;
 /// Without a limit to blame, a push is the cause of what begins within this long after it [s]: the time of two steps.
 const UPSET: f64 = 1.0;
 /// Without a limit to blame, a task was given up if it was missed by this many times as much as in the time before.
@@ -122,13 +126,15 @@ fn first_cause(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Optio
         .or_else(|| stubbed(evidence, failure))
         .or_else(|| straddled(evidence, failure, fall))
         .or_else(|| misstep(evidence, failure).filter(|_| walks))
-        .or_else(|| slide(evidence, failure))
+        .or_else(|| slide(evidence, failure).filter(|(_, event)| !sank_before(evidence, failure, event.time)))
         .or_else(|| missed_ground(evidence, failure))
         // The step machine waits for the ground where it believes it to be.
         .or_else(|| misstep(evidence, failure))
         .or_else(|| out_of_reach(evidence, failure))
+        .or_else(|| upset(evidence, failure).filter(|_| lifted(evidence, failure)))
         .or_else(|| yielded(evidence, failure))
         .or_else(|| saturation(evidence, failure))
+        .or_else(|| slide(evidence, failure))
         .or_else(|| outweighed(evidence, failure))
         .or_else(|| unmet(evidence, failure))
         .or_else(|| upset(evidence, failure))
@@ -241,6 +247,14 @@ fn slide(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Even
     Some((FirstCause::Friction { foot: name }, Event { time: evidence.time(start), what }))
 }
 
+/// Whether a robot that sinks lacked lift already before a foot slid at `time`, which then is not why.
+fn sank_before(evidence: &Evidence<'_>, failure: &Failure, time: f64) -> bool {
+    let begin = failure.window.start.saturating_sub(evidence.ticks_in(LEAD));
+    let before: Vec<usize> = (begin..failure.window.end).take_while(|&i| evidence.time(i) < time).collect();
+    let missed: f64 = before.iter().map(|&i| evidence.missed_force(i)).sum();
+    failure.kind == Kind::Sinking && missed > LACKING * evidence.weight() * before.len() as f64
+}
+
 /// The controller did not know the ground's height, and a swinging foot of the step machine found no ground at the end of its
 /// path.
 fn missed_ground(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
@@ -325,12 +339,18 @@ fn unmet(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Even
     is_much.then_some((FirstCause::Outweighed { task: feet::NAME }, event))
 }
 
+/// Whether the robot was in the air for most of the time in which the failure grew.
+fn lifted(evidence: &Evidence<'_>, failure: &Failure) -> bool {
+    let flies = |i: &usize| (0..2).all(|foot| !evidence.touching(*i, foot));
+    failure.growth.clone().filter(flies).count() as f64 > LIFTED * failure.growth.len() as f64
+}
+
 /// No limit explains it, and a push came shortly before it began.
 fn upset(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
     let (begin, end) = (evidence.time(failure.window.start) - UPSET, evidence.time(failure.window.end - 1));
     let pushes = evidence.scenario.pushes.iter().filter(|push| impulse(push) > 0.0);
     let push = pushes.rev().find(|push| push.start_s < end && push.start_s + push.duration_s > begin)?;
-    let what = What::Upset { impulse: impulse(push), since: push.start_s };
+    let what = What::Upset { impulse: impulse(push), since: push.start_s, lifted: lifted(evidence, failure) };
     Some((FirstCause::Push, Event { time: push.start_s.max(evidence.time(0)), what }))
 }
 
@@ -378,6 +398,7 @@ fn told(evidence: &Evidence<'_>, limit: &Saturation, ticks: &Range<usize>) -> Ev
         cause: limit.cause.clone(),
         value: evidence.limit_value(limit, begin),
         share: evidence.share(limit, stretch.ticks.clone()),
+        lasted: active(stretch) as f64 * evidence.scenario.controller.period_s,
         swing: stretch.foot.map(|foot| evidence.foot_name(foot)),
     };
     Event { time: evidence.time(begin), what }

@@ -1,6 +1,7 @@
 //! The sentence of a diagnosis.
 
 use super::evidence::Evidence;
+use super::rules::SATURATED;
 use super::{Event, Fall, FirstCause, What, definition};
 use crate::scenario::{Scenario, Tracking};
 
@@ -35,6 +36,12 @@ fn plain(name: &str) -> String {
     name.replace('_', " ")
 }
 
+/// The name of a foot as words that say that it is one.
+fn foot_in_words(name: &str) -> String {
+    let plain = plain(name);
+    if plain.contains("foot") { plain } else { format!("{plain} foot") }
+}
+
 /// A setting as it is written, without more digits than a sentence bears.
 fn rounded(value: f64) -> f64 {
     (1e3 * value).round() / 1e3
@@ -61,10 +68,10 @@ fn effect(event: &Event) -> Option<String> {
         }
         What::FootAstray { foot, short: Some(short), .. } if short.abs() >= 0.02 => {
             let way = if *short > 0.0 { "short" } else { "too far" };
-            format!("the {} landed {:.2} m {way} at {time:.2} s", plain(foot), short.abs())
+            format!("the {} landed {:.2} m {way} at {time:.2} s", foot_in_words(foot), short.abs())
         }
         What::FootAstray { foot, off, .. } => {
-            format!("the {} was up to {off:.2} m off its path by {time:.2} s", plain(foot))
+            format!("the {} was up to {off:.2} m off its path by {time:.2} s", foot_in_words(foot))
         }
         What::OutOfReach { past, edge, longest, .. } => {
             let longest = rounded(*longest);
@@ -90,23 +97,28 @@ fn missed(event: &Event) -> String {
 fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -> Option<String> {
     let scenario = evidence.scenario;
     let text = match &event.what {
-        What::Saturated { cause, value, share, swing } => {
+        What::Saturated { cause, value, share, lasted, swing } => {
             let told = match consequence {
                 Some(Event { what: What::FootAstray { foot, .. }, .. }) => Some(foot),
                 _ => None,
             };
             let during = match swing {
                 Some(foot) if told == Some(foot) => "of the swing".to_owned(),
-                Some(foot) => format!("of the {}'s swing", plain(foot)),
+                Some(foot) => format!("of the {}'s swing", foot_in_words(foot)),
                 None => "of the double support".to_owned(),
             };
-            format!("{} for {:.0} % {during}", at_limit(evidence, cause, *value)?, 100.0 * share)
+            // Of a long time in which little happened, a share says little.
+            let long = match *share < SATURATED {
+                true => format!("{lasted:.2} s"),
+                false => format!("{:.0} %", 100.0 * share),
+            };
+            format!("{} for {long} {during}", at_limit(evidence, cause, *value)?)
         }
         What::Slid { foot, by, friction, believed } => {
             let (friction, assumed) = (rounded(*friction), rounded(*believed));
             let belief = if assumed == friction { String::new() } else { format!(", assumed to be {assumed}") };
             let time = event.time;
-            format!("the {} slid {by:.2} m from {time:.2} s on (friction {friction}{belief})", plain(foot))
+            format!("the {} slid {by:.2} m from {time:.2} s on (friction {friction}{belief})", foot_in_words(foot))
         }
         What::OutOfReach { past, edge, longest, lasts, short, pushed } => {
             let longest = rounded(*longest);
@@ -125,7 +137,7 @@ fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -
         What::MissedGround { foot, lasted, lower } => {
             let why = slope(scenario)
                 .unwrap_or_else(|| format!("{:.0} cm lower than the controller believed", 100.0 * lower));
-            format!("the {} found no ground for {lasted:.2} s ({why})", plain(foot))
+            format!("the {} found no ground for {lasted:.2} s ({why})", foot_in_words(foot))
         }
         What::Misstepped { foot, lower } => {
             let way = if *lower > 0.0 { "lower" } else { "higher" };
@@ -135,7 +147,7 @@ fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -
             };
             format!(
                 "the {} found the ground {by}{way} than the controller believed at {:.2} s{slope}",
-                plain(foot),
+                foot_in_words(foot),
                 event.time
             )
         }
@@ -150,15 +162,23 @@ fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -
             format!("{what} had no solution in {ticks} of {of} ticks from {:.2} s on", event.time)
         }
         What::Stubbed { foot, higher } => {
-            format!("the {} met ground {:.0} cm higher on its way at {:.2} s", plain(foot), 100.0 * higher, event.time)
+            format!(
+                "the {} met ground {:.0} cm higher on its way at {:.2} s",
+                foot_in_words(foot),
+                100.0 * higher,
+                event.time
+            )
         }
         What::Straddled { foot, higher } => {
-            format!("the {} came down across an edge {:.0} cm above its sole", plain(foot), 100.0 * higher)
+            format!("the {} came down across an edge {:.0} cm above its sole", foot_in_words(foot), 100.0 * higher)
         }
         What::Unmet { force, given_up } => format!(
             "the program let standing feet accelerate by {given_up:.0} m/s2 and so counted on {force:.0} N more than the ground gave"
         ),
-        What::Upset { impulse, since } => format!("the push of {impulse:.0} Ns at {since:.2} s had upset it"),
+        What::Upset { impulse, since, lifted } => {
+            let done = if *lifted { "lifted it off the ground" } else { "upset it" };
+            format!("the push of {impulse:.0} Ns at {since:.2} s had {done}")
+        }
         What::Misled { delay, noise: [position, velocity] } => {
             let told = [
                 (*delay > 0.0).then(|| format!("{} s late", rounded(*delay))),
