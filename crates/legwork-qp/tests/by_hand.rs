@@ -145,6 +145,31 @@ fn equality_rows_may_disagree_by_rounding_errors() {
     }
 }
 
+/// Rows that differ by ε = 1e-13 in one entry meet far away, at y = 2 − x = ±1e6: a contradiction only where bounds keep them nearer.
+#[test]
+fn nearly_equal_rows_contradict_each_other_where_a_bound_says_so() {
+    let (epsilon, far) = (1e-13, 1e6);
+    for away in [1.0, -1.0] {
+        for first_row in [[1.0, 1.0], [-1.0, -1.0]] {
+            let second: &[f64] = &[1.0, 1.0 + epsilon];
+            let rows: [(&[f64], f64, f64); 2] = [
+                (&first_row, 2.0 * first_row[0], 2.0 * first_row[0]),
+                (second, 2.0 + away * far * epsilon, 2.0 + away * far * epsilon),
+            ];
+            let mut p = program(ONE, &[0.0, 0.0], &rows);
+            // What lies on the other side of zero decides nothing.
+            for (near_side, far_side) in [(1e4, 1.05e6), (INF, 0.6e6), (1e4, INF), (1e8, 1e4)] {
+                let [lower, upper] = if away > 0.0 { [-near_side, far_side] } else { [-far_side, near_side] };
+                p.lower_mut().copy_from_slice(&[2.0 - upper, lower]);
+                p.upper_mut().copy_from_slice(&[2.0 - lower, upper]);
+                let mut solver = Solver::new(2, 2);
+                let infeasible = solver.solve(&p) == Status::Infeasible;
+                assert_eq!(infeasible, far_side < far, "{away} {first_row:?} y in {lower} to {upper}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_zero_row_is_true_or_false() {
     let zero: &[f64] = &[0.0, 0.0];

@@ -2,7 +2,7 @@
 
 use legwork::Robot;
 use legwork::contact::Pyramid;
-use legwork::feet::FeetMotion;
+use legwork::feet::{FeetMotion, rotated, rotation_error};
 use legwork::generator::step::{Phase, StepMachine};
 use legwork::generator::{Observation, PointReference, Reference, TurnReference};
 use legwork::library;
@@ -32,7 +32,7 @@ fn goals_are_equations_4_3_to_4_6() {
         velocity: Vector3::new(0.5, 0.0, -0.1),
         acceleration: Vector3::new(0.2, 0.0, 0.3),
     };
-    reference.chest.turn = TurnReference::pitch(-0.08, 0.0, 0.0);
+    reference.chest.turn = TurnReference::pitch(-0.08, 0.6, -1.7);
     reference.feet[1].point = PointReference {
         position: Vector3::new(0.6, 0.0, 0.05),
         velocity: Vector3::new(1.0, 0.0, 0.5),
@@ -74,8 +74,44 @@ fn goals_are_equations_4_3_to_4_6() {
         }
         // (4.6) with S_c = (0 0 1 1 1 0 0).
         let (angle, rate) = (q[2] + q[3] + q[4], v[2] + v[3] + v[4]);
-        let expected = 45.0 * (-0.08 - angle) - factor * 45.0_f64.sqrt() * rate;
+        let expected = 45.0 * (-0.08 - angle) + factor * 45.0_f64.sqrt() * (0.6 - rate) - 1.7;
         assert!((torso_acceleration[0] - expected).abs() < 1e-9);
+    }
+}
+
+/// (4.6) in space, each term alone: the torso that is where and as fast as its reference is given the reference's acceleration.
+#[test]
+fn the_goal_of_a_torso_in_space_follows_its_reference() {
+    let model = library::load_model("exo18", None).expect("a built-in model");
+    let settings = Scenario::default().controller;
+    let v: Vec<f64> = (0..model.nv()).map(|j| (1.0 + 1.7 * j as f64).sin()).collect();
+    let (mut q, mut later) = (vec![0.0; model.nq()], vec![0.0; model.nq()]);
+    model.integrate(model.neutral().as_slice(), &v, 0.3, &mut q);
+    let mut dynamics = Dynamics::new(&model);
+    let rotation = |dynamics: &Dynamics| dynamics.world_from_body[model.torso].rotation;
+    // The angular velocity by differences.
+    let step = 1e-6;
+    let [before, after] = [-step, step].map(|time| {
+        model.integrate(&q, &v, time, &mut later);
+        dynamics.update(&model, &later, &v);
+        rotation(&dynamics)
+    });
+    let velocity = rotation_error(&before, &after) / (2.0 * step);
+    dynamics.update(&model, &q, &v);
+    let mut feet = FeetMotion::new(&model);
+    feet.update(&model, &dynamics);
+    let mut planner = MotionReferencePlanner::new(&settings, &model);
+    let (gain, acceleration) = (settings.planner.torso_gain, Vector3::new(3.0, -2.0, 1.0));
+    let (turn, faster) = (Vector3::new(0.2, 0.1, -0.3), Vector3::new(-0.4, 0.5, 0.7));
+    for (ahead, more) in [(Vector3::zeros(), Vector3::zeros()), (turn, Vector3::zeros()), (Vector3::zeros(), faster)] {
+        let still = TurnReference::still(&(rotated(&ahead) * rotation(&dynamics)));
+        let mut reference = Reference::default();
+        reference.chest.turn = TurnReference { velocity: velocity + more, acceleration, ..still };
+        let (dynamics, feet, reference, settings) = (&dynamics, &feet, &reference, &settings.planner);
+        planner.plan(&Seen { model: &model, dynamics, feet, q: &q, v: &v, reference, settings });
+        let expected = gain * ahead + (2.0 * gain).sqrt() * more + acceleration;
+        let found = Vector3::from_column_slice(planner.goal("torso"));
+        assert!((found - expected).norm() < 1e-7, "{found} instead of {expected}");
     }
 }
 
