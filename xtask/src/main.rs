@@ -21,9 +21,9 @@ const USAGE: &str =
   count-instructions [--write]
                        the instructions of tick, step, solve and dynamics beside those of bench/instructions.toml;
                        with --write they become those
-  mutants [--share N] [GROUP...]
+  mutants [--shard K/N] [GROUP...]
                        puts faults into the code, one at a time, and says how many the tests notice and which they do not; of
-                       N faults one with --share N; groups are dynamics, program, planner, generator, simulator, metrics,
+                       N faults one, the K-th, with --shard K/N; groups are dynamics, program, planner, generator, simulator, metrics,
                        balance
   bench-peers [--quick] [--only GROUPS]
                        ours beside other people's programs, which it installs below target/peers; writes

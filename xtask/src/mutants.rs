@@ -1,4 +1,4 @@
-//! Faults put in by cargo-mutants, one at a time, and whether the tests notice: `cargo xtask mutants [--share N] [NAME...]`.
+//! Faults put in by cargo-mutants, one at a time, and whether the tests notice: `cargo xtask mutants [--shard K/N] [NAME...]`.
 
 use std::fs;
 use std::path::PathBuf;
@@ -42,40 +42,39 @@ const GROUPS: [Group; 7] = [
 ];
 
 pub(crate) fn run(options: &[String]) -> ExitCode {
-    let (mut share, mut names) = ("1".to_owned(), Vec::new());
+    let (mut shard, mut names) = ("0/1".to_owned(), Vec::new());
     let mut rest = options.iter();
     while let Some(option) = rest.next() {
         match option.as_str() {
-            "--share" => share = rest.next().cloned().unwrap_or_default(),
+            "--shard" => shard = rest.next().cloned().unwrap_or_default(),
             name => names.push(name),
         }
     }
     let known = |name: &&str| GROUPS.iter().any(|(group, ..)| group == name);
     if let Some(unknown) = names.iter().find(|name| !known(name)) {
         let valid: Vec<&str> = GROUPS.iter().map(|(group, ..)| *group).collect();
-        say(&format!("found '{unknown}'; valid are {}, and --share N before a number", valid.join(", ")));
+        say(&format!("found '{unknown}'; valid are {}, and --shard K/N", valid.join(", ")));
         return ExitCode::from(2);
     }
-    if share.parse::<u32>().is_ok_and(|share| share > 0) {
-        match GROUPS
-            .iter()
-            .filter(|(name, ..)| names.is_empty() || names.contains(name))
-            .try_for_each(|group| test(group, &share))
-        {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(problem) => {
-                say(&problem);
-                ExitCode::FAILURE
-            }
+    let whole = shard.split_once('/').and_then(|(k, n)| Some((k.parse::<u32>().ok()?, n.parse::<u32>().ok()?)));
+    if whole.is_none_or(|(k, n)| k >= n) {
+        say(&format!(
+            "found --shard {shard}; valid is K/N with whole numbers K < N: the faults K, K + N, K + 2 N and so on are tried"
+        ));
+        return ExitCode::from(2);
+    }
+    let chosen = GROUPS.iter().filter(|(name, ..)| names.is_empty() || names.contains(name));
+    match chosen.into_iter().try_for_each(|group| test(group, &shard)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            say(&problem);
+            ExitCode::FAILURE
         }
-    } else {
-        say(&format!("found --share {share}; valid is a whole number: of so many faults one is tried"));
-        ExitCode::from(2)
     }
 }
 
-/// Tries one of `share` faults of a group, and says how many the tests noticed and which they did not.
-fn test((name, files, packages, tests): &Group, share: &str) -> Result<(), String> {
+/// Tries the faults of a group that are in `shard`, K/N, and says how many the tests noticed and which they did not.
+fn test((name, files, packages, tests): &Group, shard: &str) -> Result<(), String> {
     let folder = root().join("target/mutants").join(name);
     fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     say(&format!("== {name}"));
@@ -90,7 +89,7 @@ fn test((name, files, packages, tests): &Group, share: &str) -> Result<(), Strin
         "--colors",
         "never",
     ]);
-    mutants.arg("--workspace").args(["--shard", &format!("0/{share}"), "--timeout", "90", "--output"]).arg(&folder);
+    mutants.arg("--workspace").args(["--shard", shard, "--timeout", "90", "--output"]).arg(&folder);
     mutants.args(files.iter().flat_map(|file| ["--file", file]));
     mutants.args(packages.iter().flat_map(|package| ["--test-package", package]));
     // Without `--workspace` faults are looked for in the package of the program alone. A missed fault is a result: the outcomes say it.

@@ -170,6 +170,23 @@ fn nearly_equal_rows_contradict_each_other_where_a_bound_says_so() {
     }
 }
 
+/// Squares of such entries underflow or overflow.
+#[test]
+fn rows_may_be_of_any_size() {
+    // x + 2 y >= 5 from the origin: (1, 2), multiplier 1.
+    for size in [1e-250, 1e-180, 1.0, 1e180, 1e250] {
+        for (upper, offset) in [(INF, 0.0), (5.0 * size, 0.0), (INF, 1.0)] {
+            let row: &[f64] = &[size, 2.0 * size];
+            // A gradient that brings the optimum without the row elsewhere on the line through the origin.
+            let p = program(ONE, &[-offset * 0.5, -offset], &[(row, 5.0 * size, upper)]);
+            let mut solver = Solver::new(2, 1);
+            assert_eq!(solver.solve(&p), Status::Optimal, "{size:e}");
+            assert_near(solver.x(), &[1.0, 2.0]);
+            assert_near(&[solver.row_multipliers()[0] * size], &[1.0 - 0.5 * offset]);
+        }
+    }
+}
+
 #[test]
 fn a_zero_row_is_true_or_false() {
     let zero: &[f64] = &[0.0, 0.0];
@@ -317,12 +334,13 @@ fn invalid_input_says_where() {
         p
     };
     let mut solver = Solver::new(2, 1);
+    let mut said = Vec::new();
     let mut defect = |change: &dyn Fn(&mut Problem)| {
         let mut p = good();
         change(&mut p);
         assert_eq!(solver.solve(&p), Status::InvalidInput);
         let defect = solver.defect().unwrap();
-        assert!(!defect.to_string().is_empty());
+        said.push(defect.to_string());
         assert_eq!(solver.solve(&good()), Status::Optimal);
         assert_eq!(solver.defect(), None);
         defect
@@ -350,6 +368,21 @@ fn invalid_input_says_where() {
     assert_eq!(defect(&|p| row_of_infinities(p)), Defect::Overflow);
     assert_eq!(defect(&|p| tiny_and_huge(p, 1e-30, 1e300)), Defect::Overflow);
     assert_eq!(defect(&|p| tiny_and_huge(p, 1e-200, 1e200)), Defect::Overflow);
+    said.dedup();
+    let expected = [
+        "entry (1, 0) of the Hessian is not a finite number",
+        "entries (1, 0) and (0, 1) of the Hessian differ",
+        "entry 1 of the gradient is not a finite number",
+        "entry 1 of row 0 is not a finite number",
+        "row 0: NaN, or an infinity of the wrong sign",
+        "bound 1: NaN, or an infinity of the wrong sign",
+        "bound 0: NaN, or an infinity of the wrong sign",
+        "row 0: NaN, or an infinity of the wrong sign",
+        "row 0: the lower bound is above the upper one",
+        "bound 1: the lower bound is above the upper one",
+        "the numbers are so large that their products overflow",
+    ];
+    assert_eq!(said, expected);
     let size = Defect::WrongSize { expected: (2, 1), found: (3, 1) };
     assert_eq!(solver.solve(&Problem::new(3, 1)), Status::InvalidInput);
     assert_eq!(solver.defect(), Some(size));

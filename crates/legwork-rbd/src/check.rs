@@ -57,9 +57,6 @@ impl Description {
             return Err(self.invalid(body.line, subject, "inertia without mass; give the mass as well, or neither"));
         }
         let largest = body.inertia.abs().max();
-        if (body.inertia - body.inertia.transpose()).abs().max() > 1e-9 * largest {
-            return Err(self.invalid(body.line, subject, "the inertia is not symmetric"));
-        }
         if largest > 0.0 && !is_semi_definite(&(body.inertia / largest), 1e-9) {
             let problem = format!(
                 "the inertia about the centre of mass is not positive definite (diagonal {}, {}, {} kg m²)",

@@ -158,6 +158,14 @@ mod tests {
     }
 
     #[test]
+    fn what_the_system_refuses_is_said_in_words() {
+        assert_eq!(in_words(&ErrorKind::NotFound.into()), "no such file or folder");
+        assert_eq!(in_words(&ErrorKind::PermissionDenied.into()), "permission denied");
+        assert_eq!(in_words(&ErrorKind::IsADirectory.into()), "is a folder, expected a file");
+        assert_eq!(in_words(&io::Error::other("the disk is on fire")), "cannot be read: the disk is on fire");
+    }
+
+    #[test]
     fn what_is_no_text_is_said_with_its_place() {
         assert_eq!(
             refusal("a = 1\nä = \"".as_bytes().iter().chain(b"\xe4\"").copied().collect::<Vec<_>>().as_slice()),

@@ -11,7 +11,7 @@ use legwork::control::{Controller, Fallback};
 use legwork::feet::{FeetMotion, Footing};
 use legwork::momentum::tasks::Aim;
 use legwork::momentum::{self, Condition, Inputs, Layout, LimitKind, Relaxation, Solution};
-use legwork::scenario::{QpForm, Scenario, Tracking};
+use legwork::scenario::{JointLimits, QpForm, Scenario, Tracking};
 use legwork::{library, scenario_file};
 use legwork_qp::{Problem, Solver, Status};
 use legwork_rbd::Dynamics;
@@ -320,6 +320,41 @@ fn a_hard_task_is_met_or_named_infeasible() {
     }
     // Thesis 6.3.5: a hard foot task cannot be met at the start of a step.
     assert!(met > 100 && infeasible > 0, "{met} met, {infeasible} infeasible");
+}
+
+/// (4.32): a joint brakes from where v² / (2 q̈_max) would bring it to the limit that it moves to, and not before.
+#[test]
+fn a_joint_brakes_where_the_braking_distance_ends_at_its_limit() {
+    let mut state = states("stand", 4000).remove(0);
+    let layout = state.layout(QpForm::Direct);
+    let set = |scenario: &mut Scenario| {
+        scenario.controller.limits.joint_limits = JointLimits::BrakingDistance;
+        scenario.controller.limits.joint_acceleration_radps2 = 500.0;
+    };
+    let (free, most) = ([-500.0, 500.0], 500.0);
+    for dof in state.model.actuated().collect::<Vec<_>>() {
+        let place = state.model.bodies[state.model.dofs[dof].body].q_index;
+        let [lower, upper] = [state.model.dofs[dof].lower, state.model.dofs[dof].upper];
+        for (speed, distance) in [(1.0, 0.001), (2.0, 0.004), (5.0, 0.025)] {
+            for (q, v, expected) in [
+                (upper - distance - 1e-9, speed, free),
+                (upper - distance + 1e-9, speed, [-most; 2]),
+                (upper + 0.01, speed, [-most; 2]),
+                (upper - distance + 1e-9, -speed, free),
+                (lower + distance + 1e-9, -speed, free),
+                (lower + distance - 1e-9, -speed, [most; 2]),
+                (lower + distance - 1e-9, speed, free),
+                (upper - 1e-9, 0.0, free),
+            ] {
+                (state.estimate.q[place], state.estimate.v[dof]) = (q, v);
+                let problem = state.build(&layout, set);
+                let variable = layout.qdd.start + dof;
+                let found = [problem.lower()[variable], problem.upper()[variable]];
+                assert_eq!(found, expected, "{} at {q} rad, {v} rad/s", state.model.dofs[dof].name);
+            }
+        }
+        (state.estimate.q[place], state.estimate.v[dof]) = (0.5 * (lower + upper), 0.0);
+    }
 }
 
 #[test]

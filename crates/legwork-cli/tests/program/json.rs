@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use legwork::metrics::{FIGURES, JOINT_METRICS};
 use serde_json::{Value, json};
 
 use crate::Folder;
@@ -95,9 +96,9 @@ fn contract() -> Value {
     })
 }
 
-/// No key holds the value of another: each figure of the books is that of the same run in the library.
+/// No key holds the value of another: each figure is that of the same run in the library.
 #[test]
-fn every_figure_of_the_audit_is_the_runs() {
+fn every_figure_is_the_runs() {
     let line = &Folder::new("audit").json(&["run", "push", "--duration", "2", "--json"])[0];
     let loaded = legwork::scenario_file::load("push", &["duration_s=2".to_owned()]).unwrap();
     let run = legwork::episode::run(&loaded.scenario, &loaded.model().unwrap(), &[], |_| false).unwrap();
@@ -122,10 +123,33 @@ fn every_figure_of_the_audit_is_the_runs() {
     assert_eq!(line["audit"].as_object().unwrap().len(), figures.len() + 1, "and the violations");
     assert!(audit.contact_loss_j > 1.0 && audit.slip_m > 0.0, "figures that are zero tell nothing");
     let program = &run.program;
-    let counts = [("solves", program.solves), ("infeasible", program.infeasible), ("fallbacks", program.fallbacks)];
+    let counts = [
+        ("solves", program.solves as f64),
+        ("infeasible", program.infeasible as f64),
+        ("fallbacks", program.fallbacks as f64),
+        ("iterations_mean", program.iterations_mean),
+        ("iterations_max", f64::from(program.iterations_max)),
+    ];
     for (key, count) in counts {
-        assert_eq!(line["qp"][key].as_u64(), Some(count), "{key}");
+        assert_eq!(line["qp"][key].as_f64(), Some(count), "{key}");
     }
+    assert!(program.iterations_mean > 0.0 && program.solves >= 2000);
+    // A time in JSON is rounded to the nanosecond.
+    let same = |found: &Value, value: Option<f64>| match value {
+        Some(value) => found.as_f64().is_some_and(|found| (found - value).abs() <= 1e-9 * value.abs()),
+        None => found.is_null(),
+    };
+    for figure in FIGURES.iter() {
+        let path = format!("/metrics/{}", figure.name.replace('.', "/"));
+        let found = line.pointer(&path).unwrap_or(&Value::Null);
+        assert!(same(found, figure.of(&run.metrics)), "{path} is {found}");
+    }
+    for (joint, metric) in run.metrics.joints.iter().flat_map(|joint| JOINT_METRICS.iter().map(move |m| (joint, m))) {
+        let found = &line["metrics"]["joints"][&joint.joint][metric.name];
+        assert!(same(found, metric.of(joint)[0]), "{} {} is {found}", joint.joint, metric.name);
+    }
+    assert!(same(&line["timing"]["simulated_s"], Some(2.0)));
+    assert_eq!(line["input_hash"], format!("{:032x}", run.input_hash));
     assert_eq!(line["result_hash"], format!("{:032x}", run.result_hash));
 }
 

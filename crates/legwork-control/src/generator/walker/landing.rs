@@ -93,3 +93,65 @@ impl Walker {
         (self.hip_height() - height).clamp(0.0, self.settings.longest_drop_m)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use legwork_contract::robot::Robot;
+    use legwork_contract::terrain::Terrain;
+    use nalgebra::{Matrix3, Vector3};
+
+    use super::super::{Surroundings, Walker};
+    use super::*;
+    use crate::settings::ReferenceSettings;
+
+    fn on_slope(slope: f64) -> Walker {
+        let text = include_str!("../../../../../models/planar_humanoid_feet.toml");
+        let model = Robot::from_toml(text, "feet.toml").expect("a sound model");
+        let terrain = Terrain::plane(&model, 0.8, [slope, 0.0]);
+        let around = Surroundings { model: &model, terrain: &terrain, height_is_known: true, torso_angle: 0.0 };
+        let start = Observation {
+            rotation: [Matrix3::identity(); 2],
+            ahead: [Vector3::x(); 2],
+            time: 0.0,
+            com: Vector3::new(0.0, 0.0, 0.9),
+            com_velocity: Vector3::zeros(),
+            feet: [Vector3::zeros(); 2],
+            pitch: [[0.0; 2]; 2],
+            touching: [true; 2],
+            load: [350.0; 2],
+            end_load: [[175.0; 2]; 2],
+        };
+        Walker::new(&ReferenceSettings::default().walker, &around, &start)
+    }
+
+    /// Distance of the ankle from the hip above the origin, where the one lands `ahead` and the other is lowered by `drop` [m].
+    fn leg(walker: &Walker, slope: f64, ahead: f64, drop: f64) -> f64 {
+        (walker.hip_height() - drop - libm::tan(slope) * ahead).hypot(ahead)
+    }
+
+    #[test]
+    fn lowered_the_leg_is_as_long_as_it_may_be_on_any_slope() {
+        for slope in [-0.14, -0.05, 0.0, 0.05, 0.14] {
+            let walker = on_slope(slope);
+            let (length, longest) = (walker.settings.leg_m, walker.settings.longest_drop_m);
+            let mut lowered = 0;
+            for ahead in (-60..=60).map(|cm| 0.01 * f64::from(cm)) {
+                let drop = walker.drop_for(ahead);
+                let found = leg(&walker, slope, ahead, drop);
+                if drop == 0.0 {
+                    assert!(found <= length + 1e-12, "{slope}, {ahead}: {found}");
+                } else if drop < longest {
+                    lowered += 1;
+                    assert!((found - length).abs() < 1e-12, "{slope}, {ahead}: {found}");
+                } else {
+                    assert!(drop == longest && found >= length - 1e-12, "{slope}, {ahead}: {found}");
+                }
+            }
+            assert!(lowered > 20, "{lowered} on {slope}");
+            // With time enough the leg reaches where it is as long when lowered by all that it may be.
+            for ahead in walker.leg_reach(10.0) {
+                assert!((leg(&walker, slope, ahead, longest) - length).abs() < 1e-12, "{slope}, {ahead}");
+            }
+        }
+    }
+}
