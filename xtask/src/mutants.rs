@@ -13,7 +13,28 @@ type Group = (&'static str, &'static [&'static str], &'static [&'static str], &'
 
 const GROUPS: [Group; 7] = [
     ("dynamics", &["crates/legwork-rbd/src/**"], &["legwork-rbd"], &[]),
-    ("program", &["crates/legwork-qp/src/**"], &["legwork-qp"], &[]),
+    (
+        "program",
+        &["crates/legwork-qp/src/**"],
+        &["legwork-qp"],
+        &[
+            "--lib",
+            "--test",
+            "by_hand",
+            "--test",
+            "slacks",
+            "--test",
+            "whole_body",
+            "--test",
+            "random",
+            "--test",
+            "recorded",
+            "--test",
+            "fuzz",
+            "--test",
+            "clarabel",
+        ],
+    ),
     (
         "planner",
         &["crates/legwork-control/src/planner.rs", "crates/legwork-control/src/momentum/**"],
@@ -30,15 +51,32 @@ const GROUPS: [Group; 7] = [
         "simulator",
         &["crates/legwork-sim/src/**"],
         &["legwork-sim", "legwork"],
-        &["--lib", "--test", "simulation", "--test", "contact", "--test", "space", "--test", "terrain"],
+        &[
+            "--lib",
+            "--test",
+            "springs",
+            "--test",
+            "simulation",
+            "--test",
+            "contact",
+            "--test",
+            "space",
+            "--test",
+            "terrain",
+        ],
     ),
     (
         "metrics",
         &["crates/legwork/src/measuring.rs", "crates/legwork/src/metrics.rs"],
         &["legwork"],
-        &["--lib", "--test", "metrics"],
+        &["--test", "metrics"],
     ),
-    ("balance", &["crates/legwork/src/balance/**"], &["legwork"], &["--lib", "--test", "balance"]),
+    (
+        "balance",
+        &["crates/legwork/src/balance/**"],
+        &["legwork"],
+        &["--lib", "--test", "balance", "--", "--skip", "diagnosis"],
+    ),
 ];
 
 pub(crate) fn run(options: &[String]) -> ExitCode {

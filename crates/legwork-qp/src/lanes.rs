@@ -205,6 +205,19 @@ mod tests {
     }
 
     #[test]
+    fn a_loaded_row_is_a_product_with_the_sum_of_its_squares() {
+        for length in 0..=13 {
+            let x: Vec<f64> = (1..=length).map(f64::from).collect();
+            let (mut d, mut y) = (zeros(x.len()), zeros(x.len()));
+            d.as_flattened_mut().iter_mut().enumerate().for_each(|(k, d)| *d = 2.0 + k as f64);
+            let squares = load_product(0.5, &d, &x, &mut y);
+            let expected: Vec<f64> = (1..=length).map(|k| f64::from(k * (k + 1)) / 2.0).collect();
+            assert_eq!(y.as_flattened()[..x.len()], expected);
+            assert_eq!(squares, expected.iter().map(|value| value * value).sum::<f64>());
+        }
+    }
+
+    #[test]
     fn the_span_is_from_the_first_to_the_last_nonzero_entry() {
         assert_eq!(Span::of(&[]), Span::EMPTY);
         for length in 1..40 {

@@ -74,14 +74,15 @@ impl Replacements {
         self.count(problem, rows);
         for j in (0..n).filter(|&j| cost(j) == 0.0) {
             let found =
-                if hessian[j] == Span::one(j) && is_free(j) { self.defining_row(problem, rows, j) } else { None };
+                if hessian[j] == Span::one(j) && is_free(j) { self.defining_row(problem, rows, j, 0.0) } else { None };
             if !found.is_some_and(|found| self.push(found)) {
                 self.clear();
                 break;
             }
         }
         for j in (0..n).filter(|&j| slacks && hessian[j] == Span::one(j) && is_slack(j)) {
-            if let Some(found) = self.defining_row(problem, rows, j).filter(|found| found.weight().is_normal()) {
+            if let Some(found) = self.defining_row(problem, rows, j, cost(j)).filter(|found| found.weight().is_normal())
+            {
                 self.push(found);
             }
         }
@@ -109,13 +110,12 @@ impl Replacements {
         is_first
     }
 
-    /// The only row with variable `j`, if it is an equality with other variables too.
-    fn defining_row(&self, problem: &Problem, rows: &[Span], j: usize) -> Option<Replaced> {
+    /// The only row with variable `j`, which has this `cost`, if it is an equality with other variables too.
+    fn defining_row(&self, problem: &Problem, rows: &[Span], j: usize, cost: f64) -> Option<Replaced> {
         let row = self.seen[j].checked_sub(ONCE).filter(|row| *row < ONCE)? as usize;
         let entry = problem.row(row)[j];
         let is_equality = problem.row_lower()[row] == problem.row_upper()[row];
         let has_others = rows[row] != Span::one(j);
-        let cost = problem.hessian()[j * (problem.n() + 1)];
         (is_equality && has_others && entry.is_finite()).then_some(Replaced { variable: j, row, entry, cost })
     }
 }

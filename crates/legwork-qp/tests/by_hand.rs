@@ -375,11 +375,11 @@ fn invalid_input_says_where() {
         "entry 1 of the gradient is not a finite number",
         "entry 1 of row 0 is not a finite number",
         "row 0: NaN, or an infinity of the wrong sign",
-        "bound 1: NaN, or an infinity of the wrong sign",
-        "bound 0: NaN, or an infinity of the wrong sign",
+        "bounds of variable 1: NaN, or an infinity of the wrong sign",
+        "bounds of variable 0: NaN, or an infinity of the wrong sign",
         "row 0: NaN, or an infinity of the wrong sign",
         "row 0: the lower bound is above the upper one",
-        "bound 1: the lower bound is above the upper one",
+        "bounds of variable 1: the lower bound is above the upper one",
         "the numbers are so large that their products overflow",
     ];
     assert_eq!(said, expected);
@@ -387,6 +387,26 @@ fn invalid_input_says_where() {
     assert_eq!(solver.solve(&Problem::new(3, 1)), Status::InvalidInput);
     assert_eq!(solver.defect(), Some(size));
     assert_eq!(size.to_string(), "the solver was made for 2 variables and 1 rows, the problem has 3 and 1");
+}
+
+#[test]
+fn triangles_may_differ_by_rounding_errors_of_their_diagonals() {
+    for (size, error, expected) in [
+        (1.0, 9e-9, Status::Optimal),
+        (1.0, 1.1e-8, Status::InvalidInput),
+        (100.0, 9e-7, Status::Optimal),
+        (100.0, 1.1e-6, Status::InvalidInput),
+        (0.01, 1.1e-10, Status::InvalidInput),
+    ] {
+        let p = program(&[size, 0.0, error, size], &[-size, -size], &[]);
+        let mut solver = Solver::new(2, 0);
+        assert_eq!(solver.solve(&p), expected, "{error} of {size}");
+        if expected == Status::Optimal {
+            // The mean of both triangles.
+            let x = 1.0 / (1.0 + 0.5 * error / size);
+            assert_near(solver.x(), &[x, x]);
+        }
+    }
 }
 
 #[test]
@@ -484,4 +504,19 @@ fn kkt_residuals_see_each_kind_of_error() {
     for wrong in [p.kkt(&[f64::NAN, 0.0], &row, &bound), p.kkt(&x, &[f64::NAN], &bound)] {
         assert!(wrong.worst_relative() > 1e300);
     }
+}
+
+/// The unit of a variable without a cost is that of the equality row, whatever an inequality would say.
+#[test]
+fn relative_residuals_have_the_units_of_costs_and_equality_rows() {
+    // Units 1/√4 of x, and (2 · ½) / 16 of y.
+    let (x, y) = (1.0, -1e-6);
+    let value = 2.0 * x + 16.0 * y;
+    let rows: [(&[f64], f64, f64); 2] = [(&[2.0, 16.0], value, value), (&[1.0, 64.0], -9.0, 9.0)];
+    let mut p = program(&[4.0, 0.0, 0.0, 0.0], &[0.0, 0.0], &rows);
+    p.lower_mut()[1] = 0.0;
+    // The violation 1e-6 of y >= 0 is held against 1e-4 of the largest |x| / u, which is 2, in the unit of y.
+    let found = p.kkt(&[x, y], &[0.0, 0.0], &[0.0, 0.0]).primal;
+    assert_eq!(found.absolute, 1e-6);
+    assert!((found.relative - 1e-6 / (1e-4 * 2.0 / 16.0)).abs() < 1e-12, "{found:?}");
 }

@@ -177,6 +177,45 @@ fn recovery_ends_when_the_error_was_too_large_for_the_last_time() {
     assert_eq!(cut.metrics.recovery_time_s, None, "it ends while the error is too large");
 }
 
+#[test]
+fn another_first_push_begins_its_recovery_anew_and_another_setting_does_not() {
+    let run = common::run("push", &["pushes.0.start_s=0.5", "duration_s=3"]);
+    let log = &run.log;
+    let distance = |i: usize| (log.get(i, Field::Com)[0] - log.get(i, Field::ComReference)[0]).abs();
+    let farthest = (0..log.len()).max_by(|&a, &b| distance(a).total_cmp(&distance(b))).expect("records");
+    let begin = log.time(farthest + 200);
+    let mut later = run.scenario.clone();
+    later.pushes[0].start_s = begin;
+    let after = (0..log.len()).filter(|&i| log.time(i) >= begin).map(distance).fold(0.0, f64::max);
+    for (other, expected) in [(&run.scenario, run.metrics.recovery_distance_m), (&later, Some(after))] {
+        let mut measuring = Measuring::new(&run.scenario, &run.model, log.layout());
+        for (i, record) in log.records().enumerate() {
+            if log.time(i) == begin {
+                measuring.change(other, &run.model);
+            }
+            measuring.take(record);
+        }
+        assert_eq!(measuring.finish().recovery_distance_m, expected);
+    }
+    assert!(run.metrics.recovery_distance_m > Some(after));
+}
+
+#[test]
+fn a_push_that_is_too_strong_leaves_ticks_without_a_number_of_steps() {
+    let run = common::run("stand-push", &["duration_s=1", "pushes.0.start_s=0.3", "pushes.0.force_n=1500"]);
+    let supported = |i: &usize| run.log.get(*i, Field::Touching).contains(&1.0);
+    let ticks = (0..run.log.len()).filter(supported).count();
+    let lost = (0..run.log.len()).filter(supported).filter(|&i| run.log.get(i, Field::Balance)[7] < 0.0).count();
+    assert!(lost > 0 && ticks < run.log.len(), "{lost} of {ticks}");
+    assert_eq!(run.metrics.uncapturable_fraction, Some(lost as f64 / ticks as f64));
+}
+
+#[test]
+fn one_record_has_no_speed() {
+    let metrics = common::run("walk", &["duration_s=0.001", "metrics.from_s=0"]).metrics;
+    assert_eq!((metrics.mean_speed_mps, metrics.steady_speed_mps, metrics.cost_of_transport), (0.0, None, None));
+}
+
 /// A joint-space hold has neither a reference nor a program. It was a panic.
 #[test]
 fn what_nothing_tells_is_none() {

@@ -195,6 +195,15 @@ mod tests {
     }
 
     #[test]
+    fn of_a_step_its_component_along_the_way_counts() {
+        for (share, longest) in
+            [(1.0, [0.3, 0.7]), (0.5, [0.15, 0.35]), (0.0, [0.0; 2]), (-0.5, [0.35, 0.15]), (-1.0, [0.7, 0.3])]
+        {
+            assert_eq!(LIMITS.seen_along(share), StepLimits { longest, ..LIMITS });
+        }
+    }
+
+    #[test]
     fn regions_grow_to_that_of_any_number_of_steps() {
         let capture = moment();
         let ends: Vec<f64> = (0..60).map(|steps| capture.region(Some(steps))[1]).collect();

@@ -216,7 +216,12 @@ mod tests {
         let falling = Centroidal::of_rows(&[2.0, 0.0, -WEIGHT]);
         let wrench = falling.of_ground(WEIGHT, &Centroidal::default());
         assert_eq!(zero_moment_point(&ground, WEIGHT, &com(), &wrench), None);
-        assert_eq!(centre_of_pressure(&ground, WEIGHT, [(Vector3::zeros(), Vector3::zeros())]), None);
+        // A load of less than a share of the weight is none.
+        for (share, carries) in [(0.0, false), (0.9, false), (1.1, true)] {
+            let force = Vector3::z() * (share * LOADED * WEIGHT);
+            assert_eq!(centre_of_pressure(&ground, WEIGHT, [(com(), force)]).is_some(), carries, "{share}");
+            assert_eq!(centroidal_moment_pivot(&ground, WEIGHT, &com(), force).is_some(), carries, "{share}");
+        }
     }
 
     #[test]
