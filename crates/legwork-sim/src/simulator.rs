@@ -444,7 +444,7 @@ impl Body {
     }
 }
 
-/// Whether velocities are numbers that physics could have made.
+/// Whether velocities are numbers that physics could have made, and numbers at all.
 fn in_bounds(v: &[f64]) -> bool {
-    v.iter().all(|value| value.is_finite() && value.abs() < 1e6)
+    v.iter().all(|value| value.abs() < 1e6)
 }

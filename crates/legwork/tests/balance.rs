@@ -4,7 +4,9 @@ mod common;
 
 use legwork::balance::{Meter, margin};
 use legwork::episode::Run;
+use legwork::feet::FeetMotion;
 use legwork::log::Field;
+use legwork::scenario_file;
 
 /// Places of the columns of [`Field::Balance`].
 const COP: usize = 2;
@@ -85,6 +87,83 @@ fn the_walkers_wanted_centre_of_pressure_is_what_its_planner_wants_of_the_forces
         let reference = run.log.get(tick, Field::Balance)[0];
         assert!((wanted[0] - reference).abs() < 1e-9, "{wanted:?} and {reference} in tick {tick}");
     }
+}
+
+/// A record in the plane, on a slope: the pendulum is as long as the centre of mass is above the ground.
+#[test]
+fn the_measures_of_a_record_made_by_hand() {
+    let loaded = scenario_file::load("walk", &["ground.slope_deg=5".to_owned()]).expect("built in");
+    let (scenario, model) = (&loaded.scenario, loaded.model().expect("built in"));
+    let meter = Meter::new(scenario, &model);
+    let step = &scenario.reference.step;
+    let slope = 5.0_f64.to_radians().tan();
+    let length = |x: f64, z: f64| ((z - x * slope) / 9.81).sqrt();
+    for (touching, swing, support, landing_s) in [
+        (&[1.0, 0.0], &[1.0, 0.9], [0.1, 0.1], step.duration_s - 0.1),
+        (&[1.0, 0.0], &[1.0, 0.1], [0.1, 0.1], 0.0),
+        (&[1.0, 1.0], &[-1.0, -1.0], [0.1, 0.6], step.duration_s),
+        (&[0.0, 1.0], &[0.0, 1.0], [0.6, 0.6], step.duration_s),
+    ] {
+        let get = |field| -> &[f64] {
+            match field {
+                Field::Time => &[1.0],
+                Field::Com => &[0.3, 1.0],
+                Field::ComVelocity => &[0.5, 0.1],
+                Field::ComReference => &[0.4, 0.9, -0.2, 0.0, 0.0, 0.0],
+                Field::Feet => &[0.1, 0.02, 0.6, 0.06],
+                Field::Touching => touching,
+                Field::Swing => swing,
+                _ => &[],
+            }
+        };
+        let measures = meter.of(get);
+        let xcom = 0.3 + 0.5 * length(0.3, 1.0);
+        assert!((measures.xcom[0] - xcom).abs() < 1e-12 && measures.xcom[1] == 0.0);
+        let capture = measures.capture.expect("a foot stands");
+        assert_eq!((capture.way, capture.support, capture.feet), ([1.0, 0.0], support, support));
+        assert!((capture.landing_s - landing_s).abs() < 1e-12, "{}", capture.landing_s);
+        let inside = (xcom - support[0]).min(support[1] - xcom);
+        assert!((measures.margin().expect("a margin") - inside).abs() < 1e-12);
+        let reference = meter.xcom_reference(get).expect("a reference");
+        assert!((reference[0] - (0.4 - 0.2 * length(0.4, 0.9))).abs() < 1e-12 && reference[1] == 0.0);
+    }
+}
+
+/// In space: both feet point 30 degrees to the left, one stands, and the XcoM is ahead of its toes.
+#[test]
+fn the_way_out_of_a_turned_foot_is_where_it_points() {
+    let loaded = scenario_file::load("exo-lift", &[]).expect("built in");
+    let model = loaded.model().expect("built in");
+    let (meter, motion) = (Meter::new(&loaded.scenario, &model), FeetMotion::new(&model));
+    let ahead = [30.0_f64.to_radians().cos(), 30.0_f64.to_radians().sin()];
+    let (mut feet, mut touching) = (vec![0.0; 3 * model.contacts.len()], vec![0.0; model.contacts.len()]);
+    for foot in 0..2 {
+        for (end, along) in motion.ends(foot).iter().zip([-0.1, 0.2]) {
+            for (point, across) in end.iter().zip([-0.05, 0.05]) {
+                feet[3 * point] = 0.4 + along * ahead[0] - across * ahead[1];
+                feet[3 * point + 1] = [-0.1, 0.3][foot] + along * ahead[1] + across * ahead[0];
+                touching[*point] = [1.0, 0.0][foot];
+            }
+        }
+    }
+    // The XcoM half a metre ahead of the middle between the toes of the right foot, at rest.
+    let com = [0.4 + 0.7 * ahead[0], -0.1 + 0.7 * ahead[1], 0.9];
+    let get = |field| -> &[f64] {
+        match field {
+            Field::Com => &com,
+            Field::ComVelocity => &[0.0; 3],
+            Field::Feet => &feet,
+            Field::Touching => &touching,
+            _ => &[],
+        }
+    };
+    let close = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-12;
+    assert!(close(meter.ahead(get), ahead), "{:?}", meter.ahead(get));
+    let measures = meter.of(get);
+    let capture = measures.capture.expect("a foot stands");
+    assert!(close(capture.way, ahead), "{:?}", capture.way);
+    assert!((measures.margin().expect("a margin") + 0.5).abs() < 1e-12);
+    assert!((capture.support[1] - capture.support[0] - 0.3).abs() < 1e-12);
 }
 
 #[test]

@@ -211,6 +211,23 @@ fn a_push_that_is_too_strong_leaves_ticks_without_a_number_of_steps() {
 }
 
 #[test]
+fn a_commanded_speed_that_changes_is_no_constant_one() {
+    let run = common::run("walk", &["duration_s=2"]);
+    let mut faster = run.scenario.clone();
+    faster.reference.com.speed_mps += 0.1;
+    for (other, expected) in [(&run.scenario, run.metrics.steady_speed_mps), (&faster, None)] {
+        let mut measuring = Measuring::new(&run.scenario, &run.model, run.log.layout());
+        for (i, record) in run.log.records().enumerate() {
+            if i == 1500 {
+                measuring.change(other, &run.model);
+            }
+            measuring.take(record);
+        }
+        assert_eq!(measuring.finish().steady_speed_mps, expected);
+    }
+}
+
+#[test]
 fn one_record_has_no_speed() {
     let metrics = common::run("walk", &["duration_s=0.001", "metrics.from_s=0"]).metrics;
     assert_eq!((metrics.mean_speed_mps, metrics.steady_speed_mps, metrics.cost_of_transport), (0.0, None, None));
