@@ -207,7 +207,10 @@ impl Measurement<'_> {
         };
         let rate = |count: usize, work: &(dyn Fn(usize) + Sync)| {
             let begin = Instant::now();
-            run_all(count, |index| Some(work(index)));
+            run_all(count, |index| {
+                work(index);
+                Some(())
+            });
             count as f64 / begin.elapsed().as_secs_f64()
         };
         with_threads(Some(threads), || {

@@ -50,7 +50,7 @@ const BOUNCED: f64 = 0.1;
 const UNMET: f64 = 0.05;
 /// It let standing feet accelerate by more than this [m/s²].
 const ACCELERATE: f64 = 1.0;
-/// A push lifted the robot off the ground where nothing touched that for this share of the time in which the failure grew.
+/// A push upward lifted the robot off the ground where nothing touched that for this share of the time in which the failure grew.
 const LIFTED: f64 = 0.5;
 /// Without a limit to blame, a push is the cause of what begins within this long after it [s]: the time of two steps.
 const UPSET: f64 = 1.0;
@@ -131,7 +131,9 @@ fn first_cause(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Optio
         // The step machine waits for the ground where it believes it to be.
         .or_else(|| misstep(evidence, failure))
         .or_else(|| out_of_reach(evidence, failure))
-        .or_else(|| upset(evidence, failure).filter(|_| lifted(evidence, failure)))
+        .or_else(|| {
+            upset(evidence, failure).filter(|(_, event)| matches!(event.what, What::Upset { lifted: true, .. }))
+        })
         .or_else(|| yielded(evidence, failure))
         .or_else(|| saturation(evidence, failure))
         .or_else(|| slide(evidence, failure))
@@ -339,8 +341,11 @@ fn unmet(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Even
     is_much.then_some((FirstCause::Outweighed { task: feet::NAME }, event))
 }
 
-/// Whether the robot was in the air for most of the time in which the failure grew.
-fn lifted(evidence: &Evidence<'_>, failure: &Failure) -> bool {
+/// Whether `push` was upward with more than the robot's weight, and it was in the air for most of the time in which the failure grew.
+fn lifted(evidence: &Evidence<'_>, failure: &Failure, push: &Push) -> bool {
+    if push.force_n * push.direction().z < evidence.weight() {
+        return false;
+    }
     let flies = |i: &usize| (0..2).all(|foot| !evidence.touching(*i, foot));
     failure.growth.clone().filter(flies).count() as f64 > LIFTED * failure.growth.len() as f64
 }
@@ -350,7 +355,7 @@ fn upset(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Even
     let (begin, end) = (evidence.time(failure.window.start) - UPSET, evidence.time(failure.window.end - 1));
     let pushes = evidence.scenario.pushes.iter().filter(|push| impulse(push) > 0.0);
     let push = pushes.rev().find(|push| push.start_s < end && push.start_s + push.duration_s > begin)?;
-    let what = What::Upset { impulse: impulse(push), since: push.start_s, lifted: lifted(evidence, failure) };
+    let what = What::Upset { impulse: impulse(push), since: push.start_s, lifted: lifted(evidence, failure, push) };
     Some((FirstCause::Push, Event { time: push.start_s.max(evidence.time(0)), what }))
 }
 
