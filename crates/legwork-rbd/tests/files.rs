@@ -289,10 +289,19 @@ fn oddities_are_warned_of() {
         let warnings = warnings(from, to);
         assert!(warnings.len() == 1 && warnings[0].contains(part), "{warnings:?}");
     };
-    one("{ xx = 0.02, yy = 0.02, zz = 0.001 }", "{ xx = 0.02, yy = 0.0210001, zz = 0.001 }", "sum of the other two");
+    one("{ xx = 0.02, yy = 0.02, zz = 0.001 }", "{ xx = 0.02, yy = 0.02100001, zz = 0.001 }", "sum of the other two");
     one("lower_rad = -2.5", "lower_rad = 2.5", "locked");
     one("lower_rad = -2.5\nupper_rad = 2.5", "lower_rad = 20\nupper_rad = 90", "are they degrees?");
     one("lower_rad = -2.5\nupper_rad = 2.5", "lower_rad = -90\nupper_rad = 90", "are they degrees?");
     let point = warnings("inertia_kgm2 = { xx = 0.05, yy = 0.05, zz = 0.002 }", "");
     assert_eq!(point, ["body \"upper\" has mass but no inertia: a point mass"]);
+}
+
+#[test]
+fn a_spring_and_a_stop_of_one_stiffness_are_two() {
+    let mut model = Model::from_toml(PENDULUM_TOML, "p.toml").unwrap();
+    for (spring, stop) in [(0.0, 0.0), (5.0, 0.0), (0.0, 5.0), (5.0, 5.0)] {
+        (model.dofs[0].stiffness, model.dofs[0].stop_stiffness) = (spring, stop);
+        assert_eq!(model.is_elastic(), spring + stop > 0.0, "{spring}, {stop}");
+    }
 }

@@ -174,16 +174,16 @@ fn settings_change_under_way_or_say_why_not() {
         episode.finish(0.0).expect("nothing that could fail")
     };
     let plain = run(None);
-    for (path, value, acts) in [
-        ("controller.limits.torque_nm", "40", 200),
-        ("controller.planner.com_gain", "500", 200),
-        ("controller.weights.torque", "1", 200),
-        ("ground.friction", "0", 200),
-        ("pushes", "[{force_n=100, start_s=0.25, duration_s=0.1}]", 250),
+    for (path, value) in [
+        ("controller.limits.torque_nm", "40"),
+        ("controller.planner.com_gain", "500"),
+        ("controller.weights.torque", "1"),
+        ("ground.friction", "0"),
+        ("pushes", "[{force_n=100, start_s=0.25, duration_s=0.1}]"),
     ] {
         let changed = run(Some((path, value)));
         let differs = (0..plain.log.len()).find(|&i| changed.log.record(i) != plain.log.record(i));
-        assert_eq!(differs, Some(acts), "{path}");
+        assert_eq!(differs, Some(200), "{path}");
         assert_ne!(changed.input_hash, plain.input_hash, "{path}");
     }
     let mut episode = Episode::new(&loaded.scenario, &model, &[]).expect("it can start");

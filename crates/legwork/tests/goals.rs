@@ -64,6 +64,14 @@ fn goals_are_equations_4_3_to_4_6() {
         assert!(force(0).abs() > 60.0, "the limit must be met: {}", force(0));
         assert!((momentum_rate[1] - force(0).clamp(-60.0, 60.0)).abs() < 1e-9);
         assert!((momentum_rate[2] - force(2)).abs() < 1e-9);
+        // With a centre of pressure the pendulum that stands on it, limited as well.
+        let cop = Vector3::new(0.08, 0.0, 0.05);
+        let pendulum = (m * GRAVITY + force(2)) / (dynamics.com.z - cop.z) * (dynamics.com.x - cop.x);
+        let with_cop = Reference { cop: Some(cop), ..*reference };
+        let mut other = planner.clone();
+        other.plan(&Seen { model: &model, dynamics, feet, q: &q, v: &v, reference: &with_cop, settings });
+        assert!((other.goal("momentum")[1] - pendulum.clamp(-60.0, 60.0)).abs() < 1e-9, "{pendulum}");
+        assert!((other.goal("momentum")[2] - force(2)).abs() < 1e-9 && pendulum.abs() < 60.0, "{pendulum}");
         // (4.5), with D_f = factor sqrt(P_f).
         let foot = &reference.feet[1].point;
         for (row, axis) in [(2, 0), (3, 2)] {

@@ -193,6 +193,25 @@ fn the_slack_form_is_appendix_b() {
     }
 }
 
+#[test]
+fn tasks_weigh_what_the_settings_say() {
+    let state = states("walk", 700).remove(1);
+    let layout = state.layout(QpForm::Slack);
+    let set = |scenario: &mut Scenario| {
+        let weights = &mut scenario.controller.weights;
+        (weights.momentum, weights.torso) = (5.0, 7.0);
+        (weights.angular_momentum_factor, weights.vertical_momentum_factor) = (0.5, 3.0);
+        weights.torso_urgency_s4 = 0.2;
+    };
+    let problem = state.build(&layout, set);
+    let diagonal = |j: usize| problem.hessian()[24 * j];
+    assert_eq!([diagonal(15), diagonal(16), diagonal(17)], [2.0 * 0.5 * 5.0, 2.0 * 5.0, 2.0 * 3.0 * 5.0]);
+    let torso = &state.aims.iter().find(|aim| aim.law.name() == "torso").expect("a task").goal;
+    assert!(torso[0].abs() > 0.1, "{torso:?}");
+    let expected = 2.0 * 7.0 * (1.0 + (0.2 * torso[0] * torso[0]).powi(2));
+    assert!((diagonal(22) - expected).abs() < 1e-12 * expected, "{} {expected}", diagonal(22));
+}
+
 fn close(what: &str, a: &[f64], b: &[f64], scale: f64, tolerance: f64) {
     for (i, (x, y)) in a.iter().zip(b).enumerate() {
         assert!((x - y).abs() <= tolerance * scale, "{what}[{i}]: {x} against {y}");
@@ -381,6 +400,9 @@ fn joint_limits_yield_where_they_contradict_the_torque_limits() {
         let fastest = tick.solution.qdd[3..].iter().fold(0.0, |most: f64, qdd| most.max(qdd.abs()));
         assert_eq!(fastest > largest, fallback == Fallback::AccelerationsYield, "{fastest} rad/s2");
         assert_eq!(program.solves, fallback as u32 + 1);
+        assert!(program.iterations > program.solves, "an infeasible program takes some");
+        let words: Vec<String> = program.conflict.iter().map(|condition| condition.in_words(&state.model)).collect();
+        assert!(words.iter().any(|words| words == "acceleration right_knee"), "{words:?}");
         let limits: Vec<LimitKind> = program.conflict.iter().filter_map(Condition::limit).collect();
         assert!(limits.contains(&LimitKind::Acceleration { dof: knee }), "{limits:?}");
         assert!(limits.iter().any(|limit| matches!(limit, LimitKind::Torque { .. })), "{limits:?}");

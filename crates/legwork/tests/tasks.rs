@@ -7,7 +7,7 @@ use std::collections::HashSet;
 use legwork::control::{Controller, MomentumController};
 use legwork::library;
 use legwork::log::Field;
-use legwork::momentum::Layout;
+use legwork::momentum::{Layout, LimitKind};
 use legwork::scenario::{QpForm, Scenario};
 use legwork_rbd::Dynamics;
 
@@ -51,6 +51,8 @@ fn rows_jacobian_goal_and_slack_of_every_task_agree() {
             let estimate = run.log.truth(index);
             dynamics.update(&run.model, &estimate.q, &estimate.v);
             controller.tick(&estimate, &dynamics);
+            let active: Vec<f64> = controller.active().iter().copied().map(f64::from).collect();
+            assert_eq!(active, run.log.get(index, Field::ActiveLimit), "{name}, {form}, tick {index}");
             check(&controller, &dynamics, run.log.get(index, Field::Slack), &format!("{name}, {form}, tick {index}"));
         }
     }
@@ -88,6 +90,39 @@ fn check(controller: &MomentumController, dynamics: &Dynamics, logged: &[f64], w
                 [aim.goal[row] - bias[row]; 2]
             );
         }
+    }
+}
+
+/// On level ground: the torque is at that end of its range, the foot unloaded, its force on that edge of the cone.
+#[test]
+fn what_is_at_a_limit_is_there_on_the_side_that_the_log_says() {
+    for (form, set) in [(QpForm::Direct, "controller.form=direct"), (QpForm::Slack, "controller.form=slack")] {
+        let run = common::run("walk", &["duration_s=1.5", "controller.limits.torque_nm=60", set]);
+        let (log, model, most) = (&run.log, &run.model, run.scenario.controller.limits.torque_nm);
+        let (layout, friction) = (Layout::new(form, &run.scenario.controller, model), run.scenario.ground.friction);
+        let mut seen = [0; 4];
+        for i in (0..log.len()).filter(|&i| log.get(i, Field::Program)[1] == 0.0) {
+            let force = |contact: usize| [0, 1].map(|axis| log.get(i, Field::Grf)[2 * contact + axis]);
+            for (limit, &side) in layout.limits().iter().zip(log.get(i, Field::ActiveLimit)) {
+                let (off, what) = match limit.kind {
+                    _ if side == 0.0 => continue,
+                    LimitKind::Torque { dof } => {
+                        let index = model.actuated().position(|other| other == dof).expect("an actuated joint");
+                        let end = side * most.min(model.dofs[dof].effort_limit);
+                        (log.get(i, Field::Torque)[index] - end, usize::from(side > 0.0))
+                    }
+                    LimitKind::Unloading { contact } => (side * force(contact)[1], 2),
+                    LimitKind::Friction { contact, side: edge, .. } => {
+                        let [along, up] = force(contact);
+                        (side * [along, -along][edge] - friction * up, 3)
+                    }
+                    LimitKind::Force { .. } | LimitKind::Acceleration { .. } => continue,
+                };
+                assert!(off.abs() < 1e-6, "{set}, tick {i}: {} is off by {off}", limit.in_words(model));
+                seen[what] += 1;
+            }
+        }
+        assert!(seen[..2].iter().all(|count| *count > 10), "{seen:?}");
     }
 }
 
