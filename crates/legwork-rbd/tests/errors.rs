@@ -67,11 +67,13 @@ fn masses_and_inertias() {
         &["body \"upper\"", "not positive definite"],
     );
     says(&toml_error("zz = 0.002", "zz = 0.002, xy = 0.06"), &["body \"upper\"", "not positive definite"]);
-    // Of the principal minors one alone is negative.
+    // Of the principal minors one alone is negative, or those of order two alone.
     for minor in [
         "{ xx = 0.05, yy = 0.05, zz = 0, xy = 0.06 }",
         "{ xx = 0.05, yy = 0, zz = 0.05, xz = 0.06 }",
         "{ xx = 0, yy = 0.05, zz = 0.05, yz = 0.06 }",
+        // Two eigenvalues are negative, so that the determinant is not.
+        "{ xx = 0.05, yy = 0.05, zz = 0.05, xy = 0.1, xz = 0.1, yz = 0.1 }",
     ] {
         says(&toml_error("{ xx = 0.05, yy = 0.05, zz = 0.002 }", minor), &["body \"upper\"", "not positive definite"]);
     }

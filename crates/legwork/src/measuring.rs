@@ -172,6 +172,9 @@ impl Measuring {
         if !self.counts && time >= settings.from_s - 1e-9 {
             self.counts = true;
             counted.clear();
+            if let Some(Steady { begin, com_error, .. }) = &mut self.steady {
+                (*begin, *com_error) = Default::default();
+            }
         }
         if counted.ticks == 0 {
             counted.begin = self.place;

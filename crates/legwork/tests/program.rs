@@ -13,7 +13,7 @@ use legwork::momentum::tasks::Aim;
 use legwork::momentum::{self, Condition, Inputs, Layout, LimitKind, Relaxation, Solution};
 use legwork::scenario::{JointLimits, QpForm, Scenario, Tracking};
 use legwork::{library, scenario_file};
-use legwork_qp::{Problem, Solver, Status};
+use legwork_qp::{Constraint, Problem, Solver, Status};
 use legwork_rbd::Dynamics;
 
 /// A controller's inputs in a state of a run, so that either form can be built from them.
@@ -342,6 +342,50 @@ fn a_hard_task_is_met_or_named_infeasible() {
 }
 
 /// (4.32): a joint brakes from where v² / (2 q̈_max) would bring it to the limit that it moves to, and not before.
+/// Each row and each bound in words, in the order of (B.1) and (B.7); a bound that demands nothing has none.
+#[test]
+fn every_row_and_every_bound_is_what_it_demands() {
+    let state = states("stand", 4000).remove(0);
+    let joints = ["right_knee", "right_hip", "left_hip", "left_knee"];
+    let of_joints = |what: &str| joints.map(|joint| format!("{what} {joint}")).to_vec();
+    let times = |count: usize, word: &str| vec![word.to_owned(); count];
+    let feet = ["right_foot", "left_foot"];
+    let friction: Vec<String> = feet
+        .iter()
+        .flat_map(|foot| [format!("unloading {foot}"), format!("friction {foot} +"), format!("friction {foot} -")])
+        .collect();
+    let forces: Vec<String> =
+        feet.iter().flat_map(|foot| ["x", "z"].map(|axis| format!("force {foot} {axis}"))).collect();
+    let tasks = [times(3, "task momentum"), times(4, "task feet"), times(1, "task torso")].concat();
+    let accelerations = [times(3, ""), of_joints("acceleration")].concat();
+    for (form, rows, bounds) in [
+        (
+            QpForm::Direct,
+            [times(3, "equation of motion"), of_joints("torque"), friction.clone()].concat(),
+            [accelerations.clone(), forces.clone()].concat(),
+        ),
+        (
+            QpForm::Slack,
+            [times(7, "equation of motion"), tasks.clone(), times(4, "no contact"), friction].concat(),
+            [accelerations, forces, of_joints("torque"), tasks].concat(),
+        ),
+    ] {
+        let layout = state.layout(form);
+        let words = |constraint| layout.condition(constraint).map_or(String::new(), |it| it.in_words(&state.model));
+        assert_eq!((0..layout.rows()).map(|row| words(Constraint::Row(row))).collect::<Vec<_>>(), rows);
+        assert_eq!((0..layout.variables()).map(|k| words(Constraint::Bound(k))).collect::<Vec<_>>(), bounds);
+        let limits: Vec<String> = layout.limits().iter().map(|limit| limit.in_words(&state.model)).collect();
+        let named = |constraint| layout.limit(constraint).map(|index| limits[index].clone());
+        let of_rows = (0..layout.rows()).filter_map(|row| named(Constraint::Row(row)));
+        let mut found: Vec<String> =
+            of_rows.chain((0..layout.variables()).filter_map(|k| named(Constraint::Bound(k)))).collect();
+        found.sort();
+        let mut all = limits.clone();
+        all.sort();
+        assert_eq!(found, all, "each limit has a constraint of its own");
+    }
+}
+
 #[test]
 fn a_joint_brakes_where_the_braking_distance_ends_at_its_limit() {
     let mut state = states("stand", 4000).remove(0);
@@ -374,6 +418,42 @@ fn a_joint_brakes_where_the_braking_distance_ends_at_its_limit() {
         }
         (state.estimate.q[place], state.estimate.v[dof]) = (0.5 * (lower + upper), 0.0);
     }
+}
+
+/// The rate of a torque, the approach to a limit as a critically damped motion (k = 20/s), and braking as a cost.
+#[test]
+fn torques_and_joints_come_to_their_limits_as_the_settings_say() {
+    let mut state = states("stand", 4000).remove(0);
+    let mut scenario = state.scenario.clone();
+    let limits = &mut scenario.controller.limits;
+    (limits.torque_nm, limits.torque_rate_nmps, limits.approach_rate_1ps) = (100.0, 2000.0, 20.0);
+    limits.joint_limits = JointLimits::Approach;
+    let layout = state.layout(QpForm::Slack);
+    let mut problem = Problem::new(layout.variables(), layout.rows());
+    let before = [10.0, -99.0, 0.0, 99.5];
+    momentum::build(&layout, &Inputs { torque_before: Some(&before), ..state.inputs(&scenario) }, &mut problem);
+    for (index, range) in [[8.0, 12.0], [-100.0, -97.0], [-2.0, 2.0], [97.5, 100.0]].into_iter().enumerate() {
+        let torque = layout.tau.start + index;
+        assert!((problem.lower()[torque] - range[0]).abs() < 1e-12, "{index}");
+        assert!((problem.upper()[torque] - range[1]).abs() < 1e-12, "{index}");
+    }
+
+    let knee = state.model.dofs.iter().position(|dof| dof.name == "right_knee").expect("the model has knees");
+    let (variable, lower) = (layout.qdd.start + knee, state.model.dofs[knee].lower);
+    (state.estimate.q[knee], state.estimate.v[knee]) = (lower + 0.1, -2.0);
+    // k² d + 2 k v, of the distance d to the lower limit.
+    let approach = 20.0 * 20.0 * -0.1 + 2.0 * 20.0 * 2.0;
+    momentum::build(&layout, &state.inputs(&scenario), &mut problem);
+    assert!((problem.lower()[variable] - approach).abs() < 1e-9, "{}", problem.lower()[variable]);
+    assert_eq!(problem.gradient()[variable], 0.0);
+    let weight = scenario.controller.weights.braking;
+    let (hessian, relaxed) =
+        (problem.hessian()[24 * variable], Relaxation { joint_limits: true, ..Relaxation::default() });
+    momentum::build(&layout, &Inputs { relaxed, ..state.inputs(&scenario) }, &mut problem);
+    let most = scenario.controller.limits.joint_acceleration_radps2;
+    assert_eq!([problem.lower()[variable], problem.upper()[variable]], [-most, most]);
+    assert!((problem.gradient()[variable] + 2.0 * weight * approach).abs() < 1e-9 * weight * approach);
+    assert!((problem.hessian()[24 * variable] - hessian - 2.0 * weight).abs() < 1e-9 * weight);
 }
 
 #[test]
