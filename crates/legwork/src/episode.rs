@@ -443,7 +443,7 @@ impl Episode {
         self.look();
         let settings = crate::wearer::controller(&scenario, &self.known);
         let believed = scenario.believed_terrain(&self.known);
-        self.controller.change(&settings, &scenario.fitted_reference(), &believed);
+        self.controller.change(&settings, &scenario.fitted_reference(&self.known), &believed);
         self.ground = ground;
         self.input_hash = record::changed(self.input_hash, self.tick, path, value);
         self.meter = Meter::new(&scenario, &self.model);

@@ -9,6 +9,7 @@ use crate::generator::check_feet;
 use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::terrain::Terrain;
+use crate::wearer;
 
 /// Largest error of the pose that counts as solved [m, rad].
 const TOLERANCE: f64 = 1e-12;
@@ -23,7 +24,7 @@ const MIXED: u32 = 40;
 pub fn start_pose(scenario: &Scenario, model: &Robot, ground: &Terrain) -> Result<DVector<f64>, Error> {
     check_feet(model)?;
     let start = &scenario.start;
-    let stature = scenario.wearer.stature();
+    let (stature, shift) = (scenario.wearer.stature(), wearer::com_shift(&scenario.exoskeleton, model));
     let on_ground = |x: f64, y: f64| Vector3::new(stature * x, y, ground.height_at(stature * x, y));
     let sole = Sole::of(model);
     let half = 0.5 * (sole.toe - sole.heel);
@@ -33,7 +34,7 @@ pub fn start_pose(scenario: &Scenario, model: &Robot, ground: &Terrain) -> Resul
     let target = Target {
         feet: [0, 1].map(|foot| Vector3::new(places[foot][0], places[foot][1], lies[foot].z)),
         rotation: lies.map(|line| ground.base().inclined(libm::atan(line.steepness)).rotation()),
-        com: on_ground(start.com_x_m, 0.0) + Vector3::z() * (stature * start.com_height_m),
+        com: on_ground(start.com_x_m, 0.0) + Vector3::z() * (stature * start.com_height_m + shift),
         torso: start.torso_angle_deg.to_radians(),
     };
     let mut best: Option<(f64, DVector<f64>)> = None;

@@ -4,7 +4,7 @@
 //! person's are found by proportion: a mass by the ratio m of the masses, a length by the ratio h of the heights, an inertia
 //! by m h², a joint's strength by m h.
 
-use legwork_rbd::Model;
+use legwork_rbd::{Dynamics, Model};
 
 use crate::error::Error;
 use crate::scenario::{ControllerSettings, Exoskeleton, Scenario, Wearer};
@@ -53,14 +53,35 @@ pub fn fit(model: &mut Model, wearer: &Wearer, exoskeleton: &Exoskeleton) -> Res
 /// # Errors
 /// Those of [`fit`].
 pub fn refit(model: &mut Model, before: &Scenario, after: &Scenario) -> Result<(), Error> {
-    for (segment, mass) in before.exoskeleton.masses() {
-        model.bodies.iter_mut().filter(|body| body.name.ends_with(segment)).for_each(|body| body.mass -= mass);
-    }
+    take_off(model, &before.exoskeleton);
     let (from, to) = (&before.wearer, &after.wearer);
     if from != to {
         scale(model, PERSON.mass_kg / from.mass_kg, PERSON.height_m / from.height_m);
     }
     fit(model, to, &after.exoskeleton)
+}
+
+/// Takes the masses of `exoskeleton` from a `model` that has them.
+fn take_off(model: &mut Model, exoskeleton: &Exoskeleton) {
+    for (segment, mass) in exoskeleton.masses() {
+        model.bodies.iter_mut().filter(|body| body.name.ends_with(segment)).for_each(|body| body.mass -= mass);
+    }
+}
+
+/// By how much the masses of `exoskeleton`, which `model` has, raise the centre of mass of the person who stands upright [m]. Masses at
+/// the legs lower it.
+pub fn com_shift(exoskeleton: &Exoskeleton, model: &Model) -> f64 {
+    if *exoskeleton == Exoskeleton::default() {
+        return 0.0;
+    }
+    let height = |model: &Model| {
+        let mut dynamics = Dynamics::new(model);
+        dynamics.update(model, model.neutral().as_slice(), &vec![0.0; model.nv()]);
+        dynamics.com.z
+    };
+    let mut bare = model.clone();
+    take_off(&mut bare, exoskeleton);
+    height(model) - height(&bare)
 }
 
 /// The controller's settings for `model`, which has the wearer and the exoskeleton of `scenario`.
@@ -89,8 +110,6 @@ fn scale(model: &mut Model, mass: f64, length: f64) {
 
 #[cfg(test)]
 mod tests {
-    use legwork_rbd::Dynamics;
-
     use super::*;
     use crate::library::load_model;
     use crate::robot::Robot;
@@ -143,6 +162,39 @@ mod tests {
         let mut point_feet = load_model("planar_humanoid", None).expect("built in");
         let error = fit(&mut point_feet, &PERSON, &worn).expect_err("it has no feet");
         assert!(error.to_string().contains("exoskeleton.foot_kg"), "{error}");
+    }
+
+    #[test]
+    fn an_exoskeleton_shifts_the_centre_of_mass_by_its_masses() {
+        let worn = Exoskeleton { torso_kg: 8.0, thigh_kg: 3.0, shank_kg: 1.5, foot_kg: 0.5 };
+        let bare = load_model("planar_humanoid_feet", None).expect("built in");
+        let mut model = bare.clone();
+        fit(&mut model, &PERSON, &worn).expect("it has all segments");
+        // Mass and centre above the base of each segment of the person who stands upright: joints and centres add up along the leg.
+        let of_segment = |segment: &str| -> Vec<[f64; 2]> {
+            let height = |mut index: usize| {
+                let mut height = bare.bodies[index].com.z;
+                loop {
+                    height += bare.bodies[index].placement.translation.z;
+                    let Some(parent) = bare.bodies[index].parent else { return height };
+                    index = parent;
+                }
+            };
+            let bodies = bare.bodies.iter().enumerate().filter(|(_, body)| body.name.ends_with(segment));
+            bodies.map(|(index, body)| [body.mass, height(index)]).collect()
+        };
+        let (mut person, mut with) = ([0.0; 2], [0.0; 2]);
+        for (segment, added) in worn.masses() {
+            for [mass, height] in of_segment(segment) {
+                person = [person[0] + mass, person[1] + mass * height];
+                with = [with[0] + mass + added, with[1] + (mass + added) * height];
+            }
+        }
+        assert!((person[0] - 72.5).abs() < 1e-9, "all segments: {} kg", person[0]);
+        let expected = with[1] / with[0] - person[1] / person[0];
+        let shift = com_shift(&worn, &model);
+        assert!((shift - expected).abs() < 1e-12 && (-0.05..-0.02).contains(&shift), "{shift}, not {expected}");
+        assert_eq!(com_shift(&Exoskeleton::default(), &bare), 0.0);
     }
 
     #[test]

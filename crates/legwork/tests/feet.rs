@@ -195,6 +195,35 @@ fn other_people_walk_with_the_same_settings() {
     }
 }
 
+/// Masses at the legs bring the centre of mass nearer to the hip; held at the height of the person alone it asked for more leg than
+/// there is, and the robot stumbled.
+#[test]
+fn an_exoskeleton_does_not_stretch_the_legs() {
+    let worn = ["torso_kg=8", "thigh_kg=3", "shank_kg=1.5", "foot_kg=0.5"].map(|set| format!("exoskeleton.{set}"));
+    let mut sets: Vec<&str> = worn.iter().map(String::as_str).collect();
+    sets.extend(["reference.walker.speed_mps=0.5", "duration_s=8"]);
+    let run = common::run("feet-walk", &sets);
+    stood(&run);
+    let peak = |field| {
+        (0..run.log.len()).flat_map(|i| run.log.get(i, field)).fold(0.0, |most: f64, value| most.max(value.abs()))
+    };
+    assert!(peak(Field::TorqueApplied) < 180.0 && peak(Field::GrfSimulated) < 1200.0);
+}
+
+/// A heel-off that a step either has or has not is a border which steps at 0.35 m/s cross to and fro.
+#[test]
+fn a_heel_off_by_degrees_walks_smoothly_where_steps_begin_to_have_one() {
+    for speed in ["0.35", "0.36"] {
+        let degrees = ["reference.walker.heel_off_from_m=0.15", "reference.walker.heel_off_full_m=0.25"];
+        let run = common::run("feet-walk", &[&format!("reference.walker.speed_mps={speed}"), degrees[0], degrees[1]]);
+        stood(&run);
+        let peak = |field| {
+            (0..run.log.len()).flat_map(|i| run.log.get(i, field)).fold(0.0, |most: f64, value| most.max(value.abs()))
+        };
+        assert!(peak(Field::TorqueApplied) < 150.0 && peak(Field::GrfSimulated) < 1200.0, "{speed} m/s");
+    }
+}
+
 #[test]
 fn a_torque_changes_no_faster_than_its_rate() {
     let run = common::run("feet-walk", &["controller.limits.torque_rate_nmps=2e4", "duration_s=5"]);

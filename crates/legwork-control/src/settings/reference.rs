@@ -153,6 +153,8 @@ pub struct WalkerSettings {
     pub clearance_m: f64,
     /// Steps longer than this end with a heel-off [m].
     pub heel_off_from_m: f64,
+    /// Length of the steps from which on it does so in full [m]; between the two it does the more the longer the step is.
+    pub heel_off_full_m: f64,
     /// Turn of a foot over its toe, a metre of step length [rad/m].
     pub heel_off_turn: f64,
     /// The most that it turns [rad].
@@ -278,6 +280,12 @@ impl WalkerSettings {
         steps * self.scheduled(speed)[0] + if self.way_gain > 0.0 { 1.0 / self.way_gain } else { 0.0 }
     }
 
+    /// How much of a heel-off a step of `length` [m] ends with, from 0 to 1.
+    pub(crate) fn heel_off_share(&self, length: f64) -> f64 {
+        let (from, full) = (self.heel_off_from_m, self.heel_off_full_m);
+        if length <= from { 0.0 } else { ((length - from) / (full - from).max(f64::MIN_POSITIVE)).min(1.0) }
+    }
+
     /// What the schedule has for `speed` [m/s]: step time [s], height of the centre of mass [m], its bob [m], the
     /// share of the step after which it is lowest, heel-off [s].
     ///
@@ -303,6 +311,16 @@ impl WalkerSettings {
         let [_, height, bob, ..] = self.scheduled(speed);
         let hip = self.hip_above_ankle(height - 0.5 * bob, ankle) - lowered;
         (self.leg_m * self.leg_m - hip * hip).max(0.0).sqrt()
+    }
+
+    /// The settings for a robot whose centre of mass is higher by `shift` [m] where its joints are the same: the legs go on as they did.
+    #[must_use]
+    pub fn for_com_shift(&self, shift: f64) -> Self {
+        let mut shifted = self.clone();
+        shifted.schedule.iter_mut().for_each(|[_, _, com_height, ..]| *com_height += shift);
+        shifted.unseen_com_height_m += shift;
+        shifted.hip_below_com_m += shift;
+        shifted
     }
 
     /// The settings for a robot whose lengths are `stature` times those that they are for. Times follow the square root,
@@ -334,6 +352,7 @@ impl WalkerSettings {
             &mut scaled.longest_drop_m,
             &mut scaled.clearance_m,
             &mut scaled.heel_off_from_m,
+            &mut scaled.heel_off_full_m,
         ] {
             *length *= stature;
         }
@@ -423,6 +442,7 @@ impl Default for ReferenceSettings {
                 drop_acceleration_mps2: 3.0,
                 clearance_m: 0.0427,
                 heel_off_from_m: 0.2,
+                heel_off_full_m: 0.2,
                 heel_off_turn: 1.6,
                 heel_off_max_rad: 1.1,
                 touchdown_force_n: 20.0,

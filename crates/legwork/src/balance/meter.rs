@@ -87,7 +87,7 @@ impl Meter {
             believed: scenario.believed_terrain(model),
             weight: model.total_mass() * model.gravity,
             gravity: model.gravity,
-            limits: StepLimits::of(scenario),
+            limits: StepLimits::of(scenario, model),
             pushes: scenario.pushes.clone(),
             timetable: Timetable::new(&scenario.pushes),
             foot_of: model.foot_of.clone(),
@@ -216,8 +216,8 @@ impl Meter {
 
 impl StepLimits {
     /// What the steps of `scenario` may be at the most: one that stands, sways or lifts a foot takes none.
-    pub fn of(scenario: &Scenario) -> Self {
-        let reference = scenario.fitted_reference();
+    pub fn of(scenario: &Scenario, model: &Robot) -> Self {
+        let reference = scenario.fitted_reference(model);
         match reference.generator {
             // A foot comes no further than that from where it was, hence from the other one.
             GeneratorKind::Steps => Self {

@@ -57,7 +57,11 @@ pub(super) struct Moment {
 
 impl WalkerSteps {
     pub(super) fn of(scenario: &Scenario, model: &Robot) -> Self {
-        Self { settings: scenario.fitted_reference().walker, sole: Sole::of(model), meter: Meter::new(scenario, model) }
+        Self {
+            settings: scenario.fitted_reference(model).walker,
+            sole: Sole::of(model),
+            meter: Meter::new(scenario, model),
+        }
     }
 
     /// Tick `i`, or in flight the last before it with a foot on the ground, if there is one.

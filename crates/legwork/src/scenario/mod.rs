@@ -151,9 +151,10 @@ impl Scenario {
         Terrain::believed(&self.ground, self.seed, assumed, model)
     }
 
-    /// The reference generator's settings for the wearer's size.
-    pub fn fitted_reference(&self) -> ReferenceSettings {
+    /// The reference generator's settings for the wearer's size and for the exoskeleton's masses, which `model` has.
+    pub fn fitted_reference(&self, model: &Model) -> ReferenceSettings {
         let walker = self.reference.walker.for_stature(self.wearer.stature());
+        let walker = walker.for_com_shift(wearer::com_shift(&self.exoskeleton, model));
         ReferenceSettings { walker, ..self.reference.clone() }
     }
 
@@ -168,7 +169,7 @@ impl Scenario {
             height_is_known: self.ground.height_is_known(),
             torso_angle: self.controller.planner.torso_angle_deg.to_radians(),
         };
-        generator::make(&self.fitted_reference(), &around, samples, &Observation::of(model, start))
+        generator::make(&self.fitted_reference(model), &around, samples, &Observation::of(model, start))
     }
 
     /// The momentum controller for the robot `model`, with the scenario's generator; see [`Scenario::generator`].

@@ -99,7 +99,13 @@ pub const SETTINGS: &[Setting] = &[
         WINTER,
         "Height of the person whose segments the robot has; the lengths of the start pose and of the generator \"walker\" grow with it.",
     ),
-    number("exoskeleton.torso_kg", "kg", [0.0, 100.0], OURS, "Mass that an exoskeleton adds to the torso."),
+    number(
+        "exoskeleton.torso_kg",
+        "kg",
+        [0.0, 100.0],
+        OURS,
+        "Mass that an exoskeleton adds to the torso; heights of the centre of mass at the start and of the generator \"walker\" shift with it.",
+    ),
     number("exoskeleton.thigh_kg", "kg", [0.0, 50.0], OURS, "Mass that an exoskeleton adds to each thigh."),
     number("exoskeleton.shank_kg", "kg", [0.0, 50.0], OURS, "Mass that an exoskeleton adds to each shank."),
     number("exoskeleton.foot_kg", "kg", [0.0, 50.0], OURS, "Mass that an exoskeleton adds to each foot."),
@@ -461,6 +467,13 @@ pub const SETTINGS: &[Setting] = &[
         LENGTH,
         OURS,
         "Step length from which on a step ends with a heel-off.",
+    ),
+    number(
+        "reference.walker.heel_off_full_m",
+        "m",
+        LENGTH,
+        OURS,
+        "Step length from which on that is a full one; shorter steps have less of it.",
     ),
     number(
         "reference.walker.heel_off_turn",

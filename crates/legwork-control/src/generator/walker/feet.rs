@@ -78,7 +78,8 @@ impl Walker {
 
     /// The roll of a foot that begins now and lifts off after `duration` [s].
     pub(super) fn roll_of(&self, duration: f64) -> Roll {
-        let angle = (self.settings.heel_off_turn * self.place).min(self.settings.heel_off_max_rad);
+        let turn = self.settings.heel_off_turn * self.settings.heel_off_share(self.place);
+        let angle = (turn * self.place).min(self.settings.heel_off_max_rad);
         Roll { since: self.time, duration: duration / ROLLED, angle }
     }
 

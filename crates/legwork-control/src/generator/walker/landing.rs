@@ -50,11 +50,11 @@ impl Walker {
     fn go_for(&mut self, landing: Landing, stance: usize, time: f64, most: f64) {
         self.place = landing.place;
         self.drop_to = self.drop_for(landing.place - landing.com);
-        let (lifts, heel_off) = (self.heel_lifts(), self.heel_off);
+        let heel_off = self.heel_off_s();
         let times = &mut self.plan.cop.time;
         times[3] += (landing.time - times[3]).clamp(-most, most);
         if self.roll[stance].is_none() {
-            times[2] = if lifts { (times[3] - heel_off).max(time) } else { times[3] };
+            times[2] = (times[3] - heel_off).max(time);
         }
         self.plan.end = self.end(self.place);
     }
@@ -66,7 +66,7 @@ impl Walker {
         let across = observation.com.x - ankle.x;
         let high = self.settings.hip_above_ankle(observation.com.z, self.sole.ankle) - ankle.z;
         let leg = (across * across + high * high).sqrt();
-        self.swung && time > self.choice.duration - self.heel_off && leg > self.settings.stretched_leg_m
+        self.swung && time > self.choice.duration - self.heel_off_s() && leg > self.settings.stretched_leg_m
     }
 
     /// Height of the hip above the ankle of a foot below it, where nothing lowers it [m].

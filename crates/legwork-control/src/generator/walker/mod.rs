@@ -215,9 +215,10 @@ impl Walker {
         let span = (settings.cop_span_share * length).clamp(-settings.cop_span_m, settings.cop_span_m);
         let clip = |cop: f64| cop.clamp(self.sole.heel + settings.cop_margin_m, self.sole.toe - settings.cop_margin_m);
         let first = clip(settings.cop_centre_m - 0.5 * span);
-        let rolls = length > settings.heel_off_from_m;
-        let last = if rolls { self.sole.toe } else { clip(settings.cop_centre_m + 0.5 * span) };
-        let time = [0.0, settings.double_support_s, if rolls { duration - heel_off } else { duration }, duration];
+        let rolls = settings.heel_off_share(length);
+        let flat = clip(settings.cop_centre_m + 0.5 * span);
+        let last = flat + rolls * (self.sole.toe - flat);
+        let time = [0.0, settings.double_support_s, duration - rolls * heel_off, duration];
         // The next step begins with the rear foot `u` behind and ends as a nominal step does.
         let next = |u: f64| CopPlan { time, cop: [last - u, first, last, last] };
         let nominal = length + next(length).offset(self.omega, length);
@@ -239,7 +240,12 @@ impl Walker {
 
     /// Whether the step is long enough for the stance foot to roll over its toe.
     fn heel_lifts(&self) -> bool {
-        self.place > self.settings.heel_off_from_m
+        self.settings.heel_off_share(self.place) > 0.0
+    }
+
+    /// How long before the landing the stance foot's heel lifts off [s].
+    fn heel_off_s(&self) -> f64 {
+        self.settings.heel_off_share(self.place) * self.heel_off
     }
 
     /// XcoM at the end of a step that lands at `place` [m].
@@ -295,7 +301,7 @@ impl Walker {
         let begins = time >= self.plan.cop.time[2] || self.waits_too_long(stance, time, observation);
         if self.heel_lifts() && self.roll[stance].is_none() && begins {
             self.plan.cop.time[2] = self.plan.cop.time[2].min(time);
-            self.roll[stance] = Some(self.roll_of(self.heel_off + lift_off));
+            self.roll[stance] = Some(self.roll_of(self.heel_off_s() + lift_off));
         }
         self.feet[stance] = self.flat(stance);
         self.footing[stance] = Footing::Stands;
