@@ -274,7 +274,7 @@ pub fn write_table(
             (Some(Level::Flag(flag)), Kind::Flag) => Cell::Flag(*flag),
             (Some(level), _) => Cell::Text(level.to_string()),
         }));
-        let text = |text: &Option<String>| text.clone().map_or(Cell::Empty, Cell::Text);
+        let text = |text: &Option<String>| Cell::from(text.as_deref());
         cells.extend([
             rollout.ending.name().into(),
             text(&rollout.cause),

@@ -99,12 +99,17 @@ impl Rollout {
             fell_at_s,
             cause: run.diagnosis.as_ref().map(|diagnosis| diagnosis.cause.label().to_owned()),
             reason: run.reason.clone(),
-            violations: Some(run.violations().join("; ")).filter(|text| !text.is_empty()),
+            violations: violations(run),
             figures: figures(&run.metrics),
             input_hash: format!("{:032x}", run.input_hash),
             result_hash: format!("{:032x}", run.result_hash),
         }
     }
+}
+
+/// Bounds of the simulator's audit that `run` broke, in words; nothing where it kept them.
+pub fn violations(run: &Run) -> Option<String> {
+    Some(run.violations().join("; ")).filter(|text| !text.is_empty())
 }
 
 /// Runs `variant`; none where `stop` says so before its end. What goes wrong is a result.

@@ -47,6 +47,12 @@ impl From<&str> for Cell {
     }
 }
 
+impl From<Option<&str>> for Cell {
+    fn from(text: Option<&str>) -> Self {
+        text.map_or(Self::Empty, Self::from)
+    }
+}
+
 /// What all cells of a column hold that are not empty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {

@@ -48,7 +48,7 @@ fn rollout_columns(reproduction: &Reproduction) -> impl Iterator<Item = Column> 
 }
 
 fn rollout_cells(rollout: &Rollout, figures: usize) -> Vec<Cell> {
-    let text = |text: &Option<String>| text.as_deref().map_or(Cell::Empty, Cell::from);
+    let text = |text: &Option<String>| Cell::from(text.as_deref());
     let mut cells =
         vec![rollout.ending.name().into(), text(&rollout.cause), text(&rollout.reason), text(&rollout.violations)];
     cells.extend([rollout.input_hash.as_str().into(), rollout.result_hash.as_str().into(), rollout.fell_at_s.into()]);
@@ -137,7 +137,7 @@ fn limits(reproduction: &Reproduction, folder: &Path) -> Result<(), Error> {
         cells.extend(row.measured.iter().map(|measured| Cell::from(measured.value)));
         cells.extend(row.measured.iter().map(|measured| Cell::from(measured.first_failure)));
         cells.extend(row.measured.iter().map(|measured| Cell::from(measured.furthest_held)));
-        let text = |text: &Option<String>| text.as_deref().map_or(Cell::Empty, Cell::from);
+        let text = |text: &Option<String>| Cell::from(text.as_deref());
         cells.extend(row.measured.iter().map(|measured| text(&measured.reason)));
         cells.extend(row.measured.iter().map(|measured| text(&measured.violations)));
         cells.push(row.remark.into());
@@ -160,7 +160,7 @@ fn claims(claims: &[Claim], folder: &Path) -> Result<(), Error> {
                 let first =
                     [claim.id, claim.section(), claim.says, claim.test, reading, verdict, holds, &check.finding];
                 let mut row = first.map(Cell::from).to_vec();
-                row.push(found.why.map_or(Cell::Empty, Cell::from));
+                row.push(found.why.into());
                 let source = &claim.source;
                 row.extend(
                     [&source.file, &source.rows, &source.columns.join(" ")].map(|text| Cell::from(text.as_str())),

@@ -10,9 +10,10 @@ use super::sweep::definition;
 use super::trial::set;
 use legwork::episode::Run;
 use legwork::error::Error;
+use legwork_study::Base;
 use legwork_study::limits::{Answer, Held, Question, SPEED_SHARE};
+use legwork_study::rollout::violations;
 use legwork_study::search::Search;
-use legwork_study::{Base, Rollout};
 
 /// A limit that is searched for.
 #[derive(Debug, Deserialize)]
@@ -167,7 +168,7 @@ pub(crate) fn of_runs<'a>(run: impl Fn(Case) -> &'a Run) -> Vec<LimitRow> {
         let figure = definition(&limit.figure);
         let measured = |reading| {
             let run = run(Case::new(reading, limit.experiment, Gains::Final));
-            let (value, violations) = (figure.of(&run.metrics), Rollout::of(run).violations);
+            let (value, violations) = (figure.of(&run.metrics), violations(run));
             Measured { reading, value, first_failure: None, reason: None, furthest_held: None, violations }
         };
         LimitRow {

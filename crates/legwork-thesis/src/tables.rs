@@ -5,8 +5,7 @@ use serde::Serialize;
 use super::case::{Case, Experiment, Gains, Reading};
 use crate::published;
 use legwork::episode::Run;
-use legwork_study::Rollout;
-use legwork_study::rollout::DOUBTFUL;
+use legwork_study::rollout::{DOUBTFUL, violations};
 
 /// One of Tables 6.1 to 6.5.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -144,7 +143,7 @@ fn cells<'a>(
         let case = Case::new(reading, experiment, gains);
         let value = value(case);
         let deviation = value.filter(|_| thesis != 0.0).map(|value| value / thesis - 1.0);
-        let (fell, violations) = (run(case).reason.is_some(), Rollout::of(run(case)).violations);
+        let (fell, violations) = (run(case).reason.is_some(), violations(run(case)));
         Cell { reading, scenario: case.scenario(), value, deviation, fell, violations }
     };
     Reading::ALL.map(cell).to_vec()

@@ -44,6 +44,31 @@ fn kick(scenario: &mut Scenario, speed: f64) {
     scenario.pushes = vec![Push { force_n: 10.0 * speed / 1e-5, duration_s: 1e-5, ..Push::default() }];
 }
 
+/// In another simulator such a cube rose by 0.3 m and tumbled (Genesis, pull request 3126). With less friction than 1 it cannot: it slides
+/// v² / (2 µ g).
+#[test]
+fn a_fast_cube_slides_and_neither_rises_nor_tips() {
+    let (speed, friction) = (6.0, 0.5);
+    for period in [2e-3, 1e-3, 2.5e-4] {
+        let mut scenario = Scenario::default();
+        scenario.simulation.period_s = period;
+        scenario.ground.friction = friction;
+        kick(&mut scenario, speed);
+        let cube = planar(&[[-0.05, -0.05], [0.05, -0.05]]);
+        let mut simulator = scenario.simulator(&cube, &[0.0, 0.05, 0.0]).expect("valid");
+        for step in 0..(2.0 / period) as usize {
+            assert!(simulator.step(&[]));
+            let [x, z, pitch] = [0, 1, 2].map(|k| simulator.q()[k]);
+            assert!(
+                (z - 0.05).abs() < 1e-6 && pitch.abs() < 1e-5,
+                "step {step} of {period} s at {x} m: {z} m, {pitch} rad"
+            );
+        }
+        let way = speed * speed / (2.0 * friction * 9.81);
+        assert!((simulator.q()[0] - way).abs() < 2.0 * speed * period, "{} m, not {way} m", simulator.q()[0]);
+    }
+}
+
 #[test]
 fn a_riser_gave_a_sliding_box_energy() {
     // MuJoCo's box at the same edge stays down and keeps at most its 5.105 J.

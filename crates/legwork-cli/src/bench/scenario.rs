@@ -45,7 +45,7 @@ pub(super) struct Measured {
     pub(super) parts: Vec<PartFigures>,
     /// The simulation step.
     pub(super) step: Statistics,
-    /// The same under random torques of up to [`RANDOM_NM`].
+    /// The same under random torques of up to 20 Nm.
     pub(super) step_under_random_torques: Statistics,
     /// What the solver does.
     pub(super) solver: Solver,
@@ -116,7 +116,7 @@ const BATCH: usize = 2;
 const ROBOTS: usize = 16;
 const STEPS: usize = 500;
 /// Largest random torque [Nm].
-pub(super) const RANDOM_NM: f64 = 20.0;
+const RANDOM_NM: f64 = 20.0;
 
 /// What is being measured.
 struct Measurement<'a> {

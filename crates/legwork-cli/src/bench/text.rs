@@ -46,7 +46,7 @@ fn scenario(measured: &Measured) -> String {
     let together: f64 = measured.parts.iter().map(|part| part.share).sum();
     text += &format!("\n  {:<67}{:>6.0} %", "  parts together", 100.0 * together);
     text += &line("simulation step", &measured.step, None);
-    text += &line("  torques of chance", &measured.step_under_random_torques, None);
+    text += &line("  random torques", &measured.step_under_random_torques, None);
 
     let solver = &measured.solver;
     text += &format!("\n  {:<22}{:>9}{:>9}", "a tick", "mean", "max");
