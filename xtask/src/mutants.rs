@@ -116,6 +116,12 @@ fn test((name, files, packages, tests): &Group, shard: &str) -> Result<(), Strin
     let folder = root().join("target/mutants").join(name);
     fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     say(&format!("== {name}"));
+    // cargo-mutants itself would run the tests beforehand in the packages of the faults alone, where not all of them are.
+    let mut unharmed = cargo(&["test", "--profile", "mutants"], &[]);
+    unharmed.args(packages.iter().flat_map(|package| ["--package", package])).args(*tests);
+    if !succeeds(&mut unharmed) {
+        return Err(format!("{name}: a test fails without any fault"));
+    }
     let mut mutants = Command::new(program()?);
     mutants.current_dir(root()).args([
         "mutants",
@@ -127,7 +133,7 @@ fn test((name, files, packages, tests): &Group, shard: &str) -> Result<(), Strin
         "--colors",
         "never",
     ]);
-    mutants.arg("--workspace").args(["--shard", shard, "--timeout", "90", "--output"]).arg(&folder);
+    mutants.args(["--workspace", "--baseline", "skip", "--shard", shard, "--timeout", "90", "--output"]).arg(&folder);
     mutants.args(files.iter().flat_map(|file| ["--file", file]));
     mutants.args(packages.iter().flat_map(|package| ["--test-package", package]));
     // Without `--workspace` faults are looked for in the package of the program alone. A missed fault is a result: the outcomes say it.
@@ -139,6 +145,9 @@ fn test((name, files, packages, tests): &Group, shard: &str) -> Result<(), Strin
     let [caught, timeout, missed, unviable] = ["caught", "timeout", "missed", "unviable"].map(list);
     let (noticed, missed) = (caught?.lines().count() + timeout?.lines().count(), missed?);
     let tried = noticed + missed.lines().count();
+    if tried == 0 {
+        return Err(format!("{name}: no fault was tried; {} says why", folder.join("mutants.out/debug.log").display()));
+    }
     let percent = 100.0 * noticed as f64 / tried.max(1) as f64;
     say(&format!(
         "{name}: {noticed} of {tried} faults noticed, {percent:.0} %; {} do not build",

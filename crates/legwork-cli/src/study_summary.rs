@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 
 use legwork::error::Error;
 use legwork_report::study::{BOOTSTRAP, endings, range};
+use legwork_study::Level;
 use legwork_study::design::Design;
 use legwork_study::results::{Range, Results, SURVIVED};
 use legwork_study::rollout::DOUBTFUL;
 use legwork_study::sensitivity::Estimate;
-use legwork_study::{Ending, Level};
 use serde_json::{Map, Value, json};
 
 use crate::output::folded;
@@ -54,7 +54,7 @@ fn sweep(results: &Results, base: usize, factor: usize) -> String {
     }
     for (level, row) in results.sweep(base, factor) {
         let _ = write!(text, "\n  {:<24} ", level_text(&level));
-        if row.ending == Ending::Completed {
+        if row.ending.stood() {
             shown.iter().for_each(|&metric| {
                 let _ = write!(text, "{:>11}", row.metrics[metric].map_or("none".to_owned(), digits));
             });
@@ -177,6 +177,7 @@ pub(crate) fn json(results: &Results) -> Result<Value, Error> {
         scenario.insert("scenario".into(), base.name().into());
         scenario.insert("rollouts".into(), endings.rollouts.into());
         scenario.insert("completed".into(), endings.completed.into());
+        scenario.insert("injurious".into(), endings.injurious.into());
         scenario.insert("fell".into(), endings.fell.into());
         scenario.insert("invalid".into(), endings.invalid.into());
         scenario.insert("failed".into(), endings.failed.into());
@@ -243,7 +244,7 @@ fn sweep_json(results: &Results, base: usize, factor: usize) -> Value {
         json!({
             "level": level,
             "ending": row.ending,
-            SURVIVED: row.ending == Ending::Completed,
+            SURVIVED: row.ending.stood(),
             "fell_at_s": row.fell_at_s,
             "cause": row.cause,
             "doubtful": row.is_doubtful,

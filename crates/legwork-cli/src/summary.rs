@@ -15,7 +15,10 @@ use crate::output::folded;
 pub(crate) fn text(run: &Run) -> String {
     let Scenario { name, duration_s: duration, .. } = &run.scenario;
     let outcome = match &run.outcome {
-        Outcome::Completed => format!("completed {duration} s"),
+        Outcome::Completed => match run.injurious_force_n() {
+            Some(force) => format!("completed {duration} s, with an injurious contact force of {:.1} kN", 1e-3 * force),
+            None => format!("completed {duration} s"),
+        },
         Outcome::Fell(_) => run.reason.clone().unwrap_or_else(|| "fell".to_owned()),
         Outcome::Stopped => format!("stopped at {:.2} s of {duration} s", simulated(run)),
     };
@@ -92,6 +95,7 @@ fn time(seconds: f64) -> f64 {
 /// The run as one JSON object; see docs/output.md.
 pub(crate) fn json(run: &Run) -> Value {
     let (outcome, fell_at_s) = match &run.outcome {
+        Outcome::Completed if run.injurious_force_n().is_some() => ("injurious", None),
         Outcome::Completed => ("completed", None),
         Outcome::Fell(fall) => ("fell", Some(fall.time)),
         Outcome::Stopped => ("stopped", None),

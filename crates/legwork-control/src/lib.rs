@@ -10,6 +10,7 @@ pub mod generator;
 pub mod hold;
 pub mod momentum;
 pub mod planner;
+mod prediction;
 pub mod settings;
 
 pub use controller::{Controller, Program};

@@ -1,6 +1,5 @@
 //! The page of `legwork limits`: how far things can go, from where a push may come, and what the actuators deliver.
 
-use legwork_study::Ending;
 use legwork_study::limits::Answer;
 use legwork_study::robustness::{Cell as Struck, Stride};
 use legwork_study::rollout::{DOUBT, DOUBTFUL};
@@ -235,7 +234,7 @@ fn actuators(sizing: &Sizing, figures: &mut Figures) -> Chapter {
     }];
     for used in &sizing.uses {
         let body = html! {
-            @if used.ending != Ending::Completed {
+            @if !used.ending.stood() {
                 p class="banner bad" { strong { "The robot fell: " } (used.reason.clone().unwrap_or_default()) ". The figures are those up to the fall." }
             }
             (doubt("The run", used.violations.as_ref()))

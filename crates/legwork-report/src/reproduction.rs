@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use legwork_study::Ending;
 use legwork_study::rollout::DOUBTFUL;
 use legwork_thesis::case::{Case, Experiment, Gains, Reading};
 use legwork_thesis::claims::{Claim, Verdict};
@@ -222,7 +221,7 @@ fn sweep(reproduction: &Reproduction, study: &str, experiment: Experiment) -> Sw
             .iter()
             .map(|tried| Point {
                 x: tried.level,
-                fell: tried.rollout.ending != Ending::Completed,
+                fell: !tried.rollout.survived(),
                 doubtful: tried.rollout.violations.is_some(),
             })
             .collect(),

@@ -47,8 +47,10 @@ pub struct Results<'a> {
 pub struct Endings {
     /// All of them.
     pub rollouts: usize,
-    /// On their feet to the end.
+    /// On their feet to the end, without a force that injures.
     pub completed: usize,
+    /// On their feet to the end, with one ([`Ending::Injurious`]).
+    pub injurious: usize,
     /// Falls.
     pub fell: usize,
     /// Combinations of values that could not be run.
@@ -128,6 +130,7 @@ impl<'a> Results<'a> {
         for row in self.of(base) {
             match row.ending {
                 Ending::Completed => endings.completed += 1,
+                Ending::Injurious => endings.injurious += 1,
                 Ending::Fell => endings.fell += 1,
                 Ending::Invalid => endings.invalid += 1,
                 Ending::Failed => endings.failed += 1,
@@ -149,7 +152,7 @@ impl<'a> Results<'a> {
 
     /// The `shares` quantiles of a metric over the runs of a scenario that did not fall; none where no run has it.
     pub fn quantiles<const N: usize>(&self, base: usize, metric: usize, shares: [f64; N]) -> [Option<f64>; N] {
-        let whole = self.of(base).iter().filter(|row| row.ending == Ending::Completed);
+        let whole = self.of(base).iter().filter(|row| row.ending.stood());
         let mut values: Vec<f64> = whole.filter_map(|row| row.metrics[metric]).collect();
         values.sort_by(f64::total_cmp);
         let last = values.len().saturating_sub(1) as f64;
@@ -212,7 +215,7 @@ impl<'a> Results<'a> {
     /// 1 for each rollout of a scenario that was on its feet to the end, 0 for falls, missing where it could not be run.
     fn survival(&self, base: usize) -> Vec<f64> {
         let value = |row: &Row| match row.ending {
-            Ending::Completed => 1.0,
+            Ending::Completed | Ending::Injurious => 1.0,
             Ending::Fell => 0.0,
             Ending::Invalid | Ending::Failed => f64::NAN,
         };
@@ -222,7 +225,7 @@ impl<'a> Results<'a> {
     /// Each metric of all rollouts of a scenario, none for those that fell, missing where it could not be run; without the metrics that no run of it has.
     fn whole_runs(&self, base: usize) -> impl Iterator<Item = (String, Vec<Option<f64>>)> + '_ {
         let whole = |row: &Row, metric: usize| match row.ending {
-            Ending::Completed => row.metrics[metric],
+            Ending::Completed | Ending::Injurious => row.metrics[metric],
             Ending::Fell => None,
             Ending::Invalid | Ending::Failed => Some(f64::NAN),
         };

@@ -22,6 +22,8 @@ pub const DOUBT: &str = "broke bounds of the simulation; the column violations s
 pub enum Ending {
     /// It lasted its full time.
     Completed,
+    /// It lasted its full time, with a force on a contact point that injures ([`Run::injurious_force_n`]).
+    Injurious,
     /// The robot fell.
     Fell,
     /// This combination of values cannot be run, say because no start pose exists; see the reason.
@@ -31,10 +33,16 @@ pub enum Ending {
 }
 
 impl Ending {
+    /// Whether the robot was on its feet to the end.
+    pub fn stood(self) -> bool {
+        matches!(self, Self::Completed | Self::Injurious)
+    }
+
     /// Its name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Completed => "completed",
+            Self::Injurious => "injurious",
             Self::Fell => "fell",
             Self::Invalid => "invalid",
             Self::Failed => "failed",
@@ -66,7 +74,7 @@ pub struct Rollout {
 impl Rollout {
     /// Whether the robot was on its feet to the end.
     pub fn survived(&self) -> bool {
-        self.ending == Ending::Completed
+        self.ending.stood()
     }
 
     /// What could not be run, and why.
@@ -92,6 +100,7 @@ impl Rollout {
     pub fn of(run: &Run) -> Self {
         let (ending, fell_at_s) = match &run.outcome {
             Outcome::Fell(fall) => (Ending::Fell, Some(fall.time)),
+            _ if run.injurious_force_n().is_some() => (Ending::Injurious, None),
             Outcome::Completed | Outcome::Stopped => (Ending::Completed, None),
         };
         Self {

@@ -327,7 +327,10 @@ fn results_count_endings_and_take_quantiles() {
     let study =
         parse(&text("design = \"sobol-sequence\"\nsamples = 4\nmetrics = [\"torque_nm.mean\"]")).expect("valid");
     let rollout = |index: u64| Rollout {
-        ending: if index == 1 { Ending::Fell } else { Ending::Completed },
+        ending: [Ending::Completed, Ending::Fell, Ending::Injurious]
+            .get(index as usize)
+            .copied()
+            .unwrap_or(Ending::Completed),
         fell_at_s: (index == 1).then_some(0.3),
         cause: (index == 1).then(|| "friction".to_owned()),
         reason: None,
@@ -338,9 +341,33 @@ fn results_count_endings_and_take_quantiles() {
     };
     let results = Results::new(&study, (0..8).map(|index| Ok(rollout(index)))).expect("they can be read");
     let endings = results.endings(0);
-    assert_eq!((endings.rollouts, endings.completed, endings.fell, endings.causes["friction"]), (4, 3, 1, 1));
+    assert_eq!((endings.rollouts, endings.completed, endings.fell, endings.causes["friction"]), (4, 2, 1, 1));
+    assert_eq!(endings.injurious, 1);
     assert_eq!(results.endings(1).fell, 0);
     // 0, 2, 3 of the first scenario: the fall does not count.
     assert_eq!(results.quantiles(0, 0, [0.0, 0.5, 1.0]), [Some(0.0), Some(2.0), Some(3.0)]);
     assert_eq!(results.sweep(1, 0).len(), 4);
+}
+
+#[test]
+fn a_force_that_injures_is_an_ending_of_its_own() {
+    // The force at which the rollout's ending changes is the largest one that the run says.
+    let study =
+        |bound: &str| parse(&text("design = \"grid\"").replace("duration_s = 0.6", bound)).expect("it is valid");
+    let rollout = |bound: &str| {
+        let study = study(bound);
+        study
+            .variant(&study.point(0))
+            .map(|variant| legwork_study::rollout::run(&variant, || false))
+            .expect("valid")
+            .expect("whole")
+    };
+    let of = rollout("duration_s = 0.6");
+    let at = study("duration_s = 0.6").columns().iter().position(|column| column.name == "grf_simulated_n.peak");
+    let peak = of.figures[at.expect("a figure")].expect("it stands on the ground");
+    assert!(of.ending == Ending::Completed && peak > 300.0, "{peak} N");
+    for (bound, ending) in [(peak + 1.0, Ending::Completed), (peak - 1.0, Ending::Injurious)] {
+        let tried = rollout(&format!("duration_s = 0.6\nmetrics.injurious_force_n = {bound}"));
+        assert!(tried.ending == ending && tried.survived(), "{:?} with a bound of {bound} N", tried.ending);
+    }
 }

@@ -123,6 +123,13 @@ impl Run {
     pub fn violations(&self) -> Vec<String> {
         self.audit.as_ref().map_or_else(Vec::new, Audit::violations)
     }
+
+    /// The largest force on a contact point [N], where that is above `metrics.injurious_force_n`: a robot that stands on its feet may
+    /// have hurt its wearer.
+    pub fn injurious_force_n(&self) -> Option<f64> {
+        let peak = self.metrics.grf_simulated_n?.peak;
+        (peak > self.scenario.metrics.injurious_force_n).then_some(peak)
+    }
 }
 
 /// What a run is made of where it is not what the scenario says.

@@ -70,6 +70,10 @@ const STUDIES: &[Entry] = &[
     ("feet-terrain", include_str!("../../../studies/feet-terrain.toml")),
     ("feet-monte-carlo", include_str!("../../../studies/feet-monte-carlo.toml")),
     ("feet-wearers", include_str!("../../../studies/feet-wearers.toml")),
+    ("feet-every-speed", include_str!("../../../studies/feet-every-speed.toml")),
+    ("feet-pushes", include_str!("../../../studies/feet-pushes.toml")),
+    ("feet-exoskeleton", include_str!("../../../studies/feet-exoskeleton.toml")),
+    ("feet-late", include_str!("../../../studies/feet-late.toml")),
     ("feet-torque", include_str!("../../../studies/feet-torque.toml")),
 ];
 

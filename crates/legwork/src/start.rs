@@ -9,7 +9,7 @@ use crate::generator::check_feet;
 use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::terrain::Terrain;
-use crate::wearer;
+use crate::wearer::Build;
 
 /// Largest error of the pose that counts as solved [m, rad].
 const TOLERANCE: f64 = 1e-12;
@@ -24,7 +24,7 @@ const MIXED: u32 = 40;
 pub fn start_pose(scenario: &Scenario, model: &Robot, ground: &Terrain) -> Result<DVector<f64>, Error> {
     check_feet(model)?;
     let start = &scenario.start;
-    let (stature, shift) = (scenario.wearer.stature(), wearer::com_shift(&scenario.exoskeleton, model));
+    let (stature, shift) = (scenario.wearer.stature(), Build::beyond(&scenario.wearer, model).com());
     let on_ground = |x: f64, y: f64| Vector3::new(stature * x, y, ground.height_at(stature * x, y));
     let sole = Sole::of(model);
     let half = 0.5 * (sole.toe - sole.heel);

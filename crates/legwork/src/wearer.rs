@@ -3,14 +3,20 @@
 //! All masses of these models are shares of the person's mass, all lengths shares of the height (Winter), so that another
 //! person's are found by proportion: a mass by the ratio m of the masses, a length by the ratio h of the heights, an inertia
 //! by m h², a joint's strength by m h.
+//!
+//! Heights of the centre of mass and the leg's reach in the settings of start pose and walker belong to that person: with longer legs or
+//! an exoskeleton's masses they shift by what [`Build`] differs.
+
+use std::sync::LazyLock;
 
 use legwork_rbd::{Dynamics, Model};
 
 use crate::error::Error;
+use crate::library::load_model;
 use crate::scenario::{ControllerSettings, Exoskeleton, Scenario, Wearer};
 
 /// Whose segments the models' files have.
-pub const PERSON: Wearer = Wearer { mass_kg: 72.5, height_m: 1.75 };
+pub const PERSON: Wearer = Wearer { mass_kg: 72.5, height_m: 1.75, strength: 1.0 };
 
 /// Gives `model`, as its file has it, the segments of `wearer` and the masses of `exoskeleton`.
 ///
@@ -31,7 +37,7 @@ pub fn fit(model: &mut Model, wearer: &Wearer, exoskeleton: &Exoskeleton) -> Res
             );
             return Err(Error::invalid("wearer", problem));
         }
-        scale(model, wearer.mass_kg / PERSON.mass_kg, wearer.height_m / PERSON.height_m);
+        scale(model, wearer, &PERSON);
     }
     for (segment, mass) in exoskeleton.masses() {
         if mass == 0.0 {
@@ -53,35 +59,62 @@ pub fn fit(model: &mut Model, wearer: &Wearer, exoskeleton: &Exoskeleton) -> Res
 /// # Errors
 /// Those of [`fit`].
 pub fn refit(model: &mut Model, before: &Scenario, after: &Scenario) -> Result<(), Error> {
-    take_off(model, &before.exoskeleton);
-    let (from, to) = (&before.wearer, &after.wearer);
-    if from != to {
-        scale(model, PERSON.mass_kg / from.mass_kg, PERSON.height_m / from.height_m);
-    }
-    fit(model, to, &after.exoskeleton)
-}
-
-/// Takes the masses of `exoskeleton` from a `model` that has them.
-fn take_off(model: &mut Model, exoskeleton: &Exoskeleton) {
-    for (segment, mass) in exoskeleton.masses() {
+    for (segment, mass) in before.exoskeleton.masses() {
         model.bodies.iter_mut().filter(|body| body.name.ends_with(segment)).for_each(|body| body.mass -= mass);
     }
+    if before.wearer != after.wearer {
+        scale(model, &PERSON, &before.wearer);
+    }
+    fit(model, &after.wearer, &after.exoskeleton)
 }
 
-/// By how much the masses of `exoskeleton`, which `model` has, raise the centre of mass of the person who stands upright [m]. Masses at
-/// the legs lower it.
-pub fn com_shift(exoskeleton: &Exoskeleton, model: &Model) -> f64 {
-    if *exoskeleton == Exoskeleton::default() {
-        return 0.0;
-    }
-    let height = |model: &Model| {
+/// What of a body the heights depend on that walker and start pose ask for: lengths of a robot that stands upright, or by how much they
+/// differ from a person's [m].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Build {
+    /// From the hip to the ankle.
+    pub leg: f64,
+    /// From the hip up to the centre of mass.
+    pub com_above_hip: f64,
+}
+
+impl Build {
+    /// That of `model`, which has thighs and feet.
+    fn of(model: &Model) -> Self {
         let mut dynamics = Dynamics::new(model);
         dynamics.update(model, model.neutral().as_slice(), &vec![0.0; model.nv()]);
-        dynamics.com.z
-    };
-    let mut bare = model.clone();
-    take_off(&mut bare, exoskeleton);
-    height(model) - height(&bare)
+        let height = |segment: &str| {
+            let body = model.bodies.iter().position(|body| body.name.ends_with(segment)).expect("a person's segment");
+            dynamics.world_from_body[body].translation.z
+        };
+        let (hip, ankle) = (height("thigh"), height("foot"));
+        Self { leg: hip - ankle, com_above_hip: dynamics.com.z - hip }
+    }
+
+    /// By how much `model` differs from the person who is as tall as `wearer` and carries nothing; nothing for a robot that is no
+    /// `planar_humanoid_feet`.
+    pub fn beyond(wearer: &Wearer, model: &Model) -> Self {
+        static PERSONS: LazyLock<(String, Build)> = LazyLock::new(|| {
+            let model = load_model("planar_humanoid_feet", None).expect("a model that is built in");
+            (model.name.clone(), Build::of(&model))
+        });
+        let (name, person) = &*PERSONS;
+        if model.name != *name {
+            return Self::default();
+        }
+        let own = Self::of(model);
+        let beyond = |own: f64, person: f64| {
+            let difference = own - wearer.stature() * person;
+            // Scaled lengths differ in their last digits.
+            if difference.abs() < 1e-9 { 0.0 } else { difference }
+        };
+        Self { leg: beyond(own.leg, person.leg), com_above_hip: beyond(own.com_above_hip, person.com_above_hip) }
+    }
+
+    /// How much higher the centre of mass is.
+    pub fn com(&self) -> f64 {
+        self.leg + self.com_above_hip
+    }
 }
 
 /// The controller's settings for `model`, which has the wearer and the exoskeleton of `scenario`.
@@ -92,7 +125,9 @@ pub fn controller(scenario: &Scenario, model: &Model) -> ControllerSettings {
     scenario.controller.for_size(model.total_mass() / PERSON.mass_kg, scenario.wearer.stature())
 }
 
-fn scale(model: &mut Model, mass: f64, length: f64) {
+/// Makes the segments of `from` those of `to`.
+fn scale(model: &mut Model, to: &Wearer, from: &Wearer) {
+    let (mass, length) = (to.mass_kg / from.mass_kg, to.height_m / from.height_m);
     for body in &mut model.bodies {
         body.placement.translation *= length;
         body.mass *= mass;
@@ -104,7 +139,7 @@ fn scale(model: &mut Model, mass: f64, length: f64) {
     }
     // The strength of a person; a model without it has infinite limits.
     for dof in &mut model.dofs {
-        dof.effort_limit *= mass * length;
+        dof.effort_limit *= mass * length * (to.strength / from.strength);
     }
 }
 
@@ -116,7 +151,7 @@ mod tests {
 
     fn fitted(name: &str, mass_kg: f64, height_m: f64) -> Robot {
         let mut model = load_model(name, None).expect("built in");
-        fit(&mut model, &Wearer { mass_kg, height_m }, &Exoskeleton::default()).expect("a person");
+        fit(&mut model, &Wearer { mass_kg, height_m, ..PERSON }, &Exoskeleton::default()).expect("a person");
         model
     }
 
@@ -192,9 +227,34 @@ mod tests {
         }
         assert!((person[0] - 72.5).abs() < 1e-9, "all segments: {} kg", person[0]);
         let expected = with[1] / with[0] - person[1] / person[0];
-        let shift = com_shift(&worn, &model);
+        let Build { leg, com_above_hip: shift } = Build::beyond(&PERSON, &model);
         assert!((shift - expected).abs() < 1e-12 && (-0.05..-0.02).contains(&shift), "{shift}, not {expected}");
-        assert_eq!(com_shift(&Exoskeleton::default(), &bare), 0.0);
+        assert_eq!((leg, Build::beyond(&PERSON, &bare)), (0.0, Build::default()));
+    }
+
+    #[test]
+    fn longer_shanks_lengthen_the_leg() {
+        let taller = Wearer { height_m: 1.95, ..PERSON };
+        let mut model = fitted("planar_humanoid_feet", 72.5, 1.95);
+        assert_eq!(Build::beyond(&taller, &model), Build::default());
+        let shank = model.bodies.iter().position(|body| body.name == "right_foot").expect("it has one");
+        model.bodies[shank].placement.translation.z -= 0.02;
+        let build = Build::beyond(&taller, &model);
+        // The foot's mass hangs lower from the hip.
+        let lower = 0.02 * model.bodies[shank].mass / model.total_mass();
+        assert!((build.leg - 0.02).abs() < 1e-12 && (build.com_above_hip + lower).abs() < 1e-12, "{build:?}");
+        assert!((build.com() - 0.02 + lower).abs() < 1e-12);
+    }
+
+    #[test]
+    fn joints_are_as_strong_as_asked() {
+        let strong = Wearer { strength: 1.5, ..PERSON };
+        let before = Scenario { wearer: Wearer { mass_kg: 60.0, ..PERSON }, ..Scenario::default() };
+        let after = Scenario { wearer: strong, ..Scenario::default() };
+        let mut model = fitted("planar_humanoid_feet", 60.0, 1.75);
+        refit(&mut model, &before, &after).expect("a person");
+        let knee = model.dofs.iter().find(|dof| dof.name == "right_knee").expect("it has one");
+        assert!((knee.effort_limit - 300.0).abs() < 1e-9, "{}", knee.effort_limit);
     }
 
     #[test]

@@ -22,6 +22,7 @@ fn no_allocation_in_tick_or_step() {
                 "simulation.sensors.delay_s=0.003".to_owned(),
                 "simulation.sensors.velocity_noise=0.001".to_owned(),
                 "simulation.actuators.delay_s=0.001".to_owned(),
+                "controller.known_delay_s=0.004".to_owned(),
                 "duration_s=1".to_owned(),
             ],
         ),

@@ -5,6 +5,7 @@ mod common;
 use std::ops::Range;
 
 use common::run;
+use legwork::channel::Field;
 use legwork::contract::Sensed;
 use legwork::control::{Controller, Fallback};
 use legwork::episode::Outcome;
@@ -127,5 +128,38 @@ fn one_bad_sample_is_one_bad_sample() {
             let height = spoilt(scenario, 1200..1205, dynamics_alone, |told| told.v.fill(f64::NAN));
             assert!(height > 0.9, "{scenario} is at {height} of its height");
         }
+    }
+}
+
+/// Sensors that are 8 ms late, and actuators that lag by 10 ms.
+const LATE: [&str; 2] = ["simulation.sensors.delay_s=0.008", "simulation.actuators.lag_s=0.01"];
+
+#[test]
+fn a_delay_that_is_known_hardly_changes_what_the_robot_does() {
+    let torques = |sets: &[&str]| {
+        let log = run("exo-sway", &[&["duration_s=1"], sets].concat()).log;
+        (0..log.len()).flat_map(|tick| log.get(tick, Field::Torque).to_vec()).collect::<Vec<f64>>()
+    };
+    let ideal = torques(&[]);
+    let apart = |sets: &[&str]| ideal.iter().zip(torques(sets)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    for late in [
+        &["simulation.sensors.delay_s=0.008"][..],
+        &["simulation.actuators.delay_s=0.008"],
+        &["simulation.sensors.delay_s=0.005", "simulation.actuators.delay_s=0.003"],
+    ] {
+        let (unknown, known) = (apart(late), apart(&[late, &["controller.known_delay_s=0.008"]].concat()));
+        assert!(known < 0.01 * unknown && unknown > 0.1, "{late:?}: {known} Nm, {unknown} Nm where it is not known");
+    }
+}
+
+#[test]
+fn with_a_known_delay_and_lag_noise_and_another_robot_it_walks_at_every_speed() {
+    for (seed, speed) in (1..).zip([-0.3, -0.1, 0.1, 0.35, 0.6, 0.85, 1.1]) {
+        let (speed, seed) = (format!("reference.walker.speed_mps={speed}"), format!("seed={seed}"));
+        let noise = ["simulation.sensors.velocity_noise=0.03", "simulation.sensors.position_noise=0.001"];
+        let sets =
+            [&LATE[..], &noise, &["simulation.model_error=0.03", "controller.known_delay_s=0.018", &speed, &seed]];
+        let run = run("feet-walk", &sets.concat());
+        assert_eq!(run.outcome, Outcome::Completed, "{speed}: {:?}", run.reason);
     }
 }

@@ -76,7 +76,7 @@ fn the_overview_fits_a_screen_and_says_how_to_see_more() {
         let command: Vec<&str> = line.1.split(';').next().unwrap().split(' ').collect();
         folder.legwork(&command).succeeds();
     }
-    for (group, count) in [("controller.weights", 16), ("wearer", 2), ("duration_s", 1)] {
+    for (group, count) in [("controller.weights", 16), ("wearer", 3), ("duration_s", 1)] {
         let found = folder.json(&["list", "settings", group, "--json"]).remove(0);
         assert_eq!(found["settings"].as_array().unwrap().len(), count, "{group}");
         let shown = if count == 1 { group.to_owned() } else { format!("{group} ({count})") };

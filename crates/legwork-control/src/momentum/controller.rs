@@ -20,6 +20,7 @@ use crate::contacts::Contacts;
 use crate::controller::{Controller, Program};
 use crate::generator::{Generator, Observation, Reference};
 use crate::planner::MotionReferencePlanner;
+use crate::prediction::Prediction;
 use crate::settings::{ControllerSettings, ReferenceSettings, Tracking};
 
 /// What the controller did where the program had no solution as it stood.
@@ -105,6 +106,7 @@ pub struct MomentumController {
     solver: Solver,
     stance: Vec<bool>,
     torque_before: Vec<f64>,
+    prediction: Option<Prediction>,
     tick: Tick,
     command: Command,
 }
@@ -127,6 +129,7 @@ impl MomentumController {
                 braking: vec![0.0; actuated],
             },
             command: Command { torque: vec![0.0; actuated] },
+            prediction: Prediction::over(settings.known_delay_s, settings.period_s, model),
             settings: settings.clone(),
             model: model.clone(),
             ground: vec![*terrain.base(); model.contacts.len()],
@@ -143,25 +146,40 @@ impl MomentumController {
     pub fn tick_in_parts(&mut self, sensed: &Sensed, dynamics: &Dynamics, mut done: impl FnMut(Part)) -> &Tick {
         let seen = dynamics.com.iter().chain(dynamics.com_velocity.iter());
         if sensed.fits(&self.model) && seen.into_iter().all(|value| value.is_finite()) {
-            self.refer(sensed, dynamics);
-            self.planner.plan(&Seen {
-                model: &self.model,
-                dynamics,
-                feet: &self.feet,
-                q: &sensed.q,
-                v: &sensed.v,
-                reference: &self.reference,
-                settings: &self.settings.planner,
-            });
-            done(Part::Reference);
-            self.solve(sensed, dynamics, &mut done);
+            match self.prediction.take() {
+                Some(mut prediction) => {
+                    let (sensed, dynamics) = prediction.ahead(&self.model, sensed);
+                    self.work(sensed, dynamics, &mut done);
+                    self.prediction = Some(prediction);
+                }
+                None => self.work(sensed, dynamics, &mut done),
+            }
         } else {
             self.hold(Status::InvalidInput);
+        }
+        if let Some(prediction) = &mut self.prediction {
+            prediction.follow(&self.tick.solution.qdd);
         }
         self.name_limits();
         self.command.torque.copy_from_slice(&self.tick.solution.tau);
         done(Part::Reading);
         &self.tick
+    }
+
+    /// Goals for what is sensed, and the program.
+    fn work(&mut self, sensed: &Sensed, dynamics: &Dynamics, done: &mut impl FnMut(Part)) {
+        self.refer(sensed, dynamics);
+        self.planner.plan(&Seen {
+            model: &self.model,
+            dynamics,
+            feet: &self.feet,
+            q: &sensed.q,
+            v: &sensed.v,
+            reference: &self.reference,
+            settings: &self.settings.planner,
+        });
+        done(Part::Reference);
+        self.solve(sensed, dynamics, done);
     }
 
     /// The reference, and which contacts may carry force.

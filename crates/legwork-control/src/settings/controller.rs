@@ -20,6 +20,8 @@ pub struct ControllerSettings {
     pub assumed_slope_deg: f64,
     /// A contact point that is not felt stands up to that far from the height at which it was felt last, where its foot should [m].
     pub lift_height_m: f64,
+    /// How late torques act behind what is sensed, as far as it knows: it works for the state that will be then [s].
+    pub known_delay_s: f64,
     /// The motion reference planner.
     pub planner: PlannerSettings,
     /// The cost's weights.
@@ -216,6 +218,7 @@ impl Default for ControllerSettings {
             friction_edges: 4,
             assumed_slope_deg: 0.0,
             lift_height_m: 0.002,
+            known_delay_s: 0.0,
             planner: PlannerSettings {
                 angular_momentum_gain: 200.0,
                 com_gain: 1500.0,

@@ -313,14 +313,17 @@ impl WalkerSettings {
         (self.leg_m * self.leg_m - hip * hip).max(0.0).sqrt()
     }
 
-    /// The settings for a robot whose centre of mass is higher by `shift` [m] where its joints are the same: the legs go on as they did.
+    /// The settings for a robot whose legs are longer by `leg` and whose centre of mass is higher above its hips by `com` [m]: knees and
+    /// hips go on as they did.
     #[must_use]
-    pub fn for_com_shift(&self, shift: f64) -> Self {
-        let mut shifted = self.clone();
-        shifted.schedule.iter_mut().for_each(|[_, _, com_height, ..]| *com_height += shift);
-        shifted.unseen_com_height_m += shift;
-        shifted.hip_below_com_m += shift;
-        shifted
+    pub fn for_build(&self, leg: f64, com: f64) -> Self {
+        let mut built = self.clone();
+        built.schedule.iter_mut().for_each(|[_, _, com_height, ..]| *com_height += leg + com);
+        built.unseen_com_height_m += leg + com;
+        built.hip_below_com_m += com;
+        built.leg_m += leg;
+        built.stretched_leg_m += leg;
+        built
     }
 
     /// The settings for a robot whose lengths are `stature` times those that they are for. Times follow the square root,

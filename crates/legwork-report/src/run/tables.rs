@@ -99,7 +99,12 @@ pub(super) fn overview(runs: &[Run]) -> Markup {
 /// The outcome in a word, coloured.
 pub(super) fn badge(run: &Run) -> Markup {
     match &run.outcome {
-        Outcome::Completed => html! { span class="badge good" { "completed" } },
+        Outcome::Completed => match run.injurious_force_n() {
+            Some(force) => {
+                html! { span class="badge bad" { "stood, injurious force of " (format!("{:.1}", 1e-3 * force)) " kN" } }
+            }
+            None => html! { span class="badge good" { "completed" } },
+        },
         Outcome::Fell(fall) => html! { span class="badge bad" { "fell at " (format!("{:.2}", fall.time)) " s" } },
         Outcome::Stopped => html! { span class="badge" { "stopped" } },
     }

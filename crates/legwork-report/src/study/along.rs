@@ -209,18 +209,18 @@ fn any_doubtful(rows: &[&Row]) -> bool {
 }
 
 fn could_run(row: &Row) -> bool {
-    matches!(row.ending, Ending::Completed | Ending::Fell)
+    row.ending.stood() || row.ending == Ending::Fell
 }
 
 /// The share of `rows` in which the robot stood.
 fn survival(rows: &[&Row]) -> f64 {
-    let stood = rows.iter().filter(|row| row.ending == Ending::Completed).count();
+    let stood = rows.iter().filter(|row| row.ending.stood()).count();
     if rows.is_empty() { f64::NAN } else { stood as f64 / rows.len() as f64 }
 }
 
 /// The values of a metric of the rows in which the robot stood, in order.
 fn values(rows: &[&Row], metric: usize) -> Vec<f64> {
-    let whole = rows.iter().filter(|row| row.ending == Ending::Completed);
+    let whole = rows.iter().filter(|row| row.ending.stood());
     let mut values: Vec<f64> = whole.filter_map(|row| row.metrics[metric]).collect();
     values.sort_by(f64::total_cmp);
     values

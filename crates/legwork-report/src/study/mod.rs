@@ -87,8 +87,11 @@ pub fn page(results: &Results) -> Result<Page, Error> {
 
 /// How many fell, and of what.
 pub fn endings(endings: &Endings) -> String {
-    let Endings { rollouts, completed, fell, invalid, failed, doubtful, causes } = endings;
-    let mut text = format!("{completed} of {rollouts} on their feet to the end");
+    let Endings { rollouts, completed, injurious, fell, invalid, failed, doubtful, causes } = endings;
+    let mut text = format!("{} of {rollouts} on their feet to the end", completed + injurious);
+    if *injurious > 0 {
+        let _ = write!(text, ", {injurious} of these with an injurious contact force");
+    }
     if *fell > 0 {
         let mut causes: Vec<_> = causes.iter().collect();
         causes.sort_by_key(|(name, count)| (std::cmp::Reverse(**count), (*name).clone()));

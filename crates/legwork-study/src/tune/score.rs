@@ -144,7 +144,7 @@ impl Judge {
 /// 0 where it stood to the end.
 fn fall(rollout: &Rollout, duration: f64) -> f64 {
     match rollout.ending {
-        Ending::Completed => 0.0,
+        Ending::Completed | Ending::Injurious => 0.0,
         Ending::Fell => 2.0 - (rollout.fell_at_s.unwrap_or(0.0) / duration).clamp(0.0, 1.0),
         Ending::Invalid | Ending::Failed => 2.0,
     }

@@ -16,7 +16,7 @@ use crate::momentum::MomentumController;
 use crate::robot::Robot;
 use crate::sim::Simulator;
 use crate::terrain::Terrain;
-use crate::wearer::{self, PERSON};
+use crate::wearer::{self, Build, PERSON};
 
 pub use legwork_contract::terrain::Ground;
 pub use legwork_control::settings::*;
@@ -67,6 +67,8 @@ pub struct Wearer {
     pub mass_kg: f64,
     /// Height [m].
     pub height_m: f64,
+    /// Strength of the joints against that of a person of this mass and height.
+    pub strength: f64,
 }
 
 impl Wearer {
@@ -137,6 +139,8 @@ pub struct MetricsSettings {
     pub com_error_from_s: f64,
     /// Recovered means: the CoM error stays below this [m].
     pub recovered_within_m: f64,
+    /// Force on a contact point above which it injures [N].
+    pub injurious_force_n: f64,
 }
 
 impl Scenario {
@@ -151,10 +155,11 @@ impl Scenario {
         Terrain::believed(&self.ground, self.seed, assumed, model)
     }
 
-    /// The reference generator's settings for the wearer's size and for the exoskeleton's masses, which `model` has.
+    /// The reference generator's settings for the wearer's size and for the build of `model`.
     pub fn fitted_reference(&self, model: &Model) -> ReferenceSettings {
         let walker = self.reference.walker.for_stature(self.wearer.stature());
-        let walker = walker.for_com_shift(wearer::com_shift(&self.exoskeleton, model));
+        let beyond = Build::beyond(&self.wearer, model);
+        let walker = walker.for_build(beyond.leg, beyond.com_above_hip);
         ReferenceSettings { walker, ..self.reference.clone() }
     }
 
@@ -228,7 +233,12 @@ impl Default for Scenario {
                 max_torso_angle_deg: 60.0,
                 max_joint_speed_radps: 200.0,
             },
-            metrics: MetricsSettings { from_s: 0.0, com_error_from_s: 0.4, recovered_within_m: 0.05 },
+            metrics: MetricsSettings {
+                from_s: 0.0,
+                com_error_from_s: 0.4,
+                recovered_within_m: 0.05,
+                injurious_force_n: 5400.0,
+            },
             pushes: Vec::new(),
         }
     }

@@ -76,10 +76,11 @@ fn conflict(scenario: &Scenario) -> Option<(&'static [&'static str], String)> {
         return Some((&["duration_s", "controller.period_s"], problem));
     }
 
-    let delays: [(&'static [&'static str], f64, f64); 3] = [
+    let delays: [(&'static [&'static str], f64, f64); 4] = [
         (&["simulation.sensors.delay_s", "duration_s"], simulation.sensors.delay_s, control),
         (&["simulation.sensors.load_delay_s", "duration_s"], simulation.sensors.load_delay_s, control),
         (&["simulation.actuators.delay_s", "duration_s"], simulation.actuators.delay_s, physics),
+        (&["controller.known_delay_s", "duration_s"], controller.known_delay_s, control),
     ];
     for (paths, delay, period) in delays {
         let periods = delay / period;

@@ -47,7 +47,7 @@ const FIXED: [(&str, &[&str]); 8] = [
     ("the robot is made before the first tick", &["model", "wearer", "exoskeleton", "start"]),
     (
         "the run counts its ticks from the begin; it can be stopped at any of them",
-        &["duration_s", "controller.period_s"],
+        &["duration_s", "controller.period_s", "controller.known_delay_s"],
     ),
     ("it is drawn before the first tick", &["seed"]),
     (
@@ -85,7 +85,7 @@ const FIXED: [(&str, &[&str]); 8] = [
 ];
 
 /// Settings, and tables of settings, that mean something only where another setting has one of these values.
-const USED_WITH: [(&str, &str, &[&str]); 14] = [
+const USED_WITH: [(&str, &str, &[&str]); 15] = [
     ("reference", "controller.kind", &["momentum"]),
     ("reference.com", "reference.generator", &["steps", "stance"]),
     ("reference.step", "reference.generator", &["steps"]),
@@ -99,6 +99,7 @@ const USED_WITH: [(&str, &str, &[&str]); 14] = [
     ("controller.limits", "controller.kind", &["momentum"]),
     ("controller.hold", "controller.kind", &["hold"]),
     ("controller.lift_height_m", "controller.kind", &["momentum"]),
+    ("controller.known_delay_s", "controller.kind", &["momentum"]),
     ("simulation.sensors.flag_force_n", "simulation.sensors.flag", &["force"]),
 ];
 

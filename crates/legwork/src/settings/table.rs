@@ -100,6 +100,13 @@ pub const SETTINGS: &[Setting] = &[
         "Height of the person whose segments the robot has; the lengths of the start pose and of the generator \"walker\" grow with it.",
     ),
     number(
+        "wearer.strength",
+        "",
+        [0.1, 10.0],
+        OURS,
+        "Strength of the joints, as a factor of what the model's person has, by mass and height: that of motors that help, or of a person who is weaker.",
+    ),
+    number(
         "exoskeleton.torso_kg",
         "kg",
         [0.0, 100.0],
@@ -559,6 +566,13 @@ pub const SETTINGS: &[Setting] = &[
         "Slope of the ground that the controller assumes where it is not told.",
     ),
     number(
+        "controller.known_delay_s",
+        "s",
+        DELAY,
+        OURS,
+        "How late torques act behind what is measured, as far as the controller knows: delays of sensors and actuators and the time constant of their lag, summed up. It predicts the state over that time.",
+    ),
+    number(
         "controller.lift_height_m",
         "m",
         [0.0, 0.1],
@@ -917,6 +931,13 @@ pub const SETTINGS: &[Setting] = &[
         [1e-4, 10.0],
         OURS,
         "CoM error below which a pushed robot has recovered, if it stays so.",
+    ),
+    number(
+        "metrics.injurious_force_n",
+        "N",
+        [1.0, 1e6],
+        "NATO RTO-TR-HFM-090 (2007): axial force in the lower leg",
+        "Force on a contact point above which a run that ends on its feet counts as injurious.",
     ),
     //
     number("pushes.N.force_n", "N", [-1e6, 1e6], OURS, "Size of the push's force."),
