@@ -70,13 +70,18 @@ fn claims(reproduction: &Reproduction, text: &mut String) {
     for claim in &reproduction.claims {
         let verdicts = claim.findings.iter().map(|finding| finding.verdict.name()).collect::<Vec<_>>();
         let head = format!("{:<9}{:<14}{:<17}", claim.id, verdicts[0], verdicts[1]);
-        let _ = writeln!(text, "{head}{}", wrapped(claim.says, head.chars().count()));
+        let _ = writeln!(text, "{head}{}", wrapped(&claim.says_and_basis(), head.chars().count()));
     }
     for reading in Reading::ALL {
         let counts = reproduction.counts(reading);
         let parts: Vec<String> =
             Verdict::ALL.iter().zip(counts).map(|(verdict, count)| format!("{count} {}", verdict.name())).collect();
         let _ = write!(text, "\n{}: {} of {} claims", reading.name(), parts.join(", "), reproduction.claims.len());
+        let _ = write!(
+            text,
+            "; {} of the reproduced are fitted or by construction",
+            reproduction.without_evidence(reading)
+        );
     }
     text.push('\n');
 }

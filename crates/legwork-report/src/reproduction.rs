@@ -50,12 +50,13 @@ fn lead(reproduction: &Reproduction) -> Markup {
             b { "base of support" } " after a step, a set of our own fit."
         }
         div.scroll { table {
-            thead { tr { th.left { "of " (reproduction.claims.len()) " claims" } @for verdict in Verdict::ALL { th { (title(verdict)) } } } }
+            thead { tr { th.left { "of " (reproduction.claims.len()) " claims" } @for verdict in Verdict::ALL { th { (title(verdict)) } } th { "reproduced, but fitted or by construction" } } }
             tbody {
                 @for reading in Reading::ALL {
                     tr {
                         th scope="row" { (name(reading)) }
                         @for count in reproduction.counts(reading) { td { (count) } }
+                        td { (reproduction.without_evidence(reading)) }
                     }
                 }
             }
@@ -93,7 +94,6 @@ fn tables(reproduction: &Reproduction) -> Chapter {
 }
 
 fn published(table: &Table) -> Markup {
-    let remarks = table.rows.iter().any(|row| row.misprint.is_some());
     let cells = || table.rows.iter().flat_map(|row| &row.measured);
     let fallen: BTreeSet<&str> = cells().filter(|cell| cell.fell).map(|cell| cell.scenario).collect();
     let broken: BTreeSet<(&str, &String)> =
@@ -104,7 +104,6 @@ fn published(table: &Table) -> Markup {
                 tr {
                     th rowspan="2" { "figure" } th rowspan="2" {} th rowspan="2" { "thesis" }
                     @for reading in Reading::ALL { th colspan="2" { (name(reading)) } }
-                    @if remarks { th.left rowspan="2" { "remark" } }
                 }
                 tr { @for _ in Reading::ALL { th { "measured" } th { "difference" } } }
             }
@@ -113,9 +112,8 @@ fn published(table: &Table) -> Markup {
                     tr {
                         th scope="row" { (row.label) @if !row.unit.is_empty() { " " span.unit { "[" (row.unit) "]" } } }
                         td.soft { (row.kind) }
-                        td { (row.thesis) }
+                        td { @if let Some(printed) = row.misprint { (printed) ", read as " } (row.thesis) }
                         @for cell in &row.measured { (measured(cell)) }
-                        @if remarks { td.left.soft { (row.misprint.unwrap_or_default()) } }
                     }
                 }
             }
@@ -202,7 +200,7 @@ fn verdicts(claims: &[&Claim]) -> Markup {
                 @for claim in claims {
                     tr {
                         td.left { a href={ "#claim-" (claim.id) } { (claim.id) } }
-                        td.left { (claim.says) }
+                        td.left { (claim.says_and_basis()) }
                         @for finding in &claim.findings { td { (badge(finding.verdict)) } }
                     }
                 }
@@ -387,7 +385,7 @@ fn claims(reproduction: &Reproduction) -> Chapter {
 fn claim_in_full(claim: &Claim) -> Markup {
     html! {
         section id={ "claim-" (claim.id) } {
-            h4 { (claim.id) " \u{b7} " (claim.says) }
+            h4 { (claim.id) " \u{b7} " (claim.says_and_basis()) }
             p.note { "Test: " (claim.test) ". Data: " code { (claim.source.file) @if claim.source.file == "logs" { "/*.parquet" } @else { ".csv" } } ", " (claim.source.rows) ", " (claim.source.columns.join(", ")) "." }
             @for finding in &claim.findings {
                 p { (badge(finding.verdict)) " " b { (name(finding.reading)) } }

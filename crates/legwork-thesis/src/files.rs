@@ -6,7 +6,10 @@ use std::path::Path;
 
 use super::case::Reading;
 use super::questions::Entry;
-use super::{Reproduction, claims::Claim};
+use super::{
+    Reproduction,
+    claims::{Basis, Claim},
+};
 use legwork::error::Error;
 use legwork::log_file;
 use legwork_study::Rollout;
@@ -148,7 +151,7 @@ fn limits(reproduction: &Reproduction, folder: &Path) -> Result<(), Error> {
 
 /// A row for each part of a claim's test in each reading.
 fn claims(claims: &[Claim], folder: &Path) -> Result<(), Error> {
-    let names = ["claim", "section", "says", "test", "reading", "verdict", "part_holds", "finding", "why"];
+    let names = ["claim", "section", "says", "test", "basis", "reading", "verdict", "part_holds", "finding", "why"];
     let sources = ["source_file", "source_rows", "source_columns"];
     let columns = names.into_iter().chain(sources).map(Column::text).collect();
     let mut rows = Vec::new();
@@ -157,9 +160,9 @@ fn claims(claims: &[Claim], folder: &Path) -> Result<(), Error> {
             for check in &found.checks {
                 let (reading, verdict) = (found.reading.name(), found.verdict.name());
                 let holds = if check.holds { "yes" } else { "no" };
-                let first =
-                    [claim.id, claim.section(), claim.says, claim.test, reading, verdict, holds, &check.finding];
-                let mut row = first.map(Cell::from).to_vec();
+                let mut row = [claim.id, claim.section(), claim.says, claim.test].map(Cell::from).to_vec();
+                row.push(claim.basis.map(Basis::words).into());
+                row.extend([reading, verdict, holds, &check.finding].map(Cell::from));
                 row.push(found.why.into());
                 let source = &claim.source;
                 row.extend(

@@ -166,6 +166,14 @@ impl Reproduction {
         })
     }
 
+    /// How many of the claims that are reproduced in a reading are no evidence: [`claims::Basis`].
+    pub fn without_evidence(&self, reading: Reading) -> usize {
+        let reproduced = |claim: &Claim| {
+            claim.findings.iter().any(|f| f.reading == reading && f.verdict == claims::Verdict::Reproduced)
+        };
+        self.claims.iter().filter(|claim| claim.basis.is_some() && reproduced(claim)).count()
+    }
+
     /// How many of the runs and of the sweeps' rollouts broke bounds of the simulator's audit, and how many there are.
     pub fn doubtful(&self) -> [usize; 2] {
         let levels = self.evidence.sweeps.iter().flat_map(|sweep| &sweep.levels).map(|tried| &tried.rollout);

@@ -43,6 +43,26 @@ impl Verdict {
     }
 }
 
+/// Why a claim that is reproduced is no evidence for the controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Basis {
+    /// The values that the thesis does not give were chosen so that its figure comes out.
+    Fitted,
+    /// The code does what the claim says; only a defect could fail the test.
+    ByConstruction,
+}
+
+impl Basis {
+    /// It in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Fitted => "fitted",
+            Self::ByConstruction => "by construction",
+        }
+    }
+}
+
 /// Where the figures of a claim can be looked up.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Source {
@@ -63,6 +83,8 @@ pub struct Claim {
     pub says: &'static str,
     /// What is computed, in the terms of [`super::terms::terms`].
     pub test: &'static str,
+    /// Why a success says less than it seems to, where it does.
+    pub basis: Option<Basis>,
     /// Where the figures are.
     pub source: Source,
     /// What was found, in the order of [`Reading::ALL`].
@@ -83,6 +105,11 @@ pub struct Finding {
 }
 
 impl Claim {
+    /// What the thesis says, and in brackets why a success says less than it seems to.
+    pub fn says_and_basis(&self) -> String {
+        self.basis.map_or_else(|| self.says.to_owned(), |basis| format!("{} ({})", self.says, basis.words()))
+    }
+
     /// The section of the thesis.
     pub fn section(&self) -> &'static str {
         self.id.rsplit_once('-').map_or(self.id, |(section, _)| section)
@@ -103,6 +130,7 @@ struct Claims {
 struct Test {
     says: String,
     test: String,
+    basis: Option<Basis>,
     parts: Vec<Part>,
     source: Option<Source>,
     /// By reading, or of `both`.
@@ -173,7 +201,7 @@ pub(super) fn claims(evidence: &Evidence) -> Vec<Claim> {
             Finding { reading, verdict, checks, why }
         };
         let findings = Reading::ALL.map(finding).to_vec();
-        Claim { id, says: &test.says, test: &test.test, source: test.source(), findings }
+        Claim { id, says: &test.says, test: &test.test, basis: test.basis, source: test.source(), findings }
     };
     CLAIMS.claims.iter().map(claim).collect()
 }
