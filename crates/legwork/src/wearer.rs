@@ -25,15 +25,15 @@ pub const PERSON: Wearer = Wearer { mass_kg: 72.5, height_m: 1.75, strength: 1.0
 pub fn fit(model: &mut Model, wearer: &Wearer, exoskeleton: &Exoskeleton) -> Result<(), Error> {
     if *wearer != PERSON {
         if (model.total_mass() - PERSON.mass_kg).abs() > 1e-6 {
+            let of = |wearer: &Wearer| {
+                format!("{} kg, {} m and a strength of {}", wearer.mass_kg, wearer.height_m, wearer.strength)
+            };
             let problem = format!(
-                "found {} kg and {} m, but the model '{}' of {:.1} kg is not made of a person's segments; valid is {} kg and \
-                 {} m, or one of the planar humanoids",
-                wearer.mass_kg,
-                wearer.height_m,
+                "found {}, but the model '{}' of {:.1} kg is not made of a person's segments; valid is {}, or one of the planar humanoids",
+                of(wearer),
                 model.name,
                 model.total_mass(),
-                PERSON.mass_kg,
-                PERSON.height_m
+                of(&PERSON)
             );
             return Err(Error::invalid("wearer", problem));
         }
@@ -263,5 +263,8 @@ mod tests {
         let wearer = Wearer { mass_kg: 80.0, ..PERSON };
         let error = fit(&mut exo, &wearer, &Exoskeleton::default()).expect_err("it has links of its own");
         assert!(error.to_string().contains("wearer"), "{error}");
+        let strong = Wearer { strength: 1.2, ..PERSON };
+        let error = fit(&mut exo, &strong, &Exoskeleton::default()).expect_err("nor is it one that is stronger");
+        assert!(error.to_string().contains("a strength of 1.2"), "{error}");
     }
 }
