@@ -46,6 +46,7 @@ pub(crate) fn text(run: &Run) -> String {
         let thesis = [row.published, row.published_peak].map(|value| value.map_or(String::new(), |v| v.to_string()));
         text += &line(&label(row), measured.each_ref().map(String::as_str), thesis.each_ref().map(String::as_str));
     }
+    text += &format!("\n{}", folded(&format!("  ({})", run.scenario.metrics.counted()), 3));
     if known && is_altered(&run.scenario) {
         text += "\n  (the thesis's figures are for the built-in scenario, not for these settings)";
     }

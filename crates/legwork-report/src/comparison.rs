@@ -65,6 +65,8 @@ pub struct Strike {
     pub direction_deg: f64,
     /// The impulse [Ns]; none where the robot falls without one.
     pub impulse_ns: Option<f64>,
+    /// Largest force on a contact point on the way to it [N].
+    pub force_n: Option<f64>,
     /// Why a larger one is not survived.
     pub reason_beyond: Option<String>,
     /// Bounds of the simulator's audit that were broken on the way to it, in words.
@@ -97,8 +99,9 @@ impl Report {
 type Row = (&'static str, usize, fn(&Walk) -> Option<f64>);
 
 /// The figures that are no joint's.
-const ROWS: [Row; 7] = [
+const ROWS: [Row; 8] = [
     ("mean speed [m/s]", 3, |f| Some(f.mean_speed_mps)),
+    ("torso, range [deg]", 1, |f| Some(f.torso_range_rad.to_degrees())),
     ("u\u{b2}, mean [N\u{b2}m\u{b2}]", 0, |f| f.u2_n2m2),
     ("single support", 2, |f| f.single_support_fraction),
     ("cost of transport", 2, |f| f.cost_of_transport),
@@ -152,11 +155,12 @@ pub fn strike(robot: &Robot, phase: Option<f64>, direction_deg: f64) -> Option<&
     strikes.iter().find(|strike| strike.phase == phase && strike.direction_deg == direction_deg)
 }
 
-/// The impulse of [`strike`] as a table shows it, with a star where it rests on rollouts that broke bounds of the simulation.
+/// The impulse of [`strike`] as a table shows it, with the largest force in kN, and with a star where it rests on rollouts that broke bounds of the simulation.
 pub fn impulse(robot: &Robot, phase: Option<f64>, direction_deg: f64) -> String {
     let Some(strike) = strike(robot, phase, direction_deg) else { return NONE.to_owned() };
     let star = if strike.violations.is_some() { "*" } else { "" };
-    strike.impulse_ns.map_or(NONE.to_owned(), |impulse| format!("{impulse:.0}")) + star
+    let force = strike.force_n.map_or(String::new(), |force| format!(" {:>4.1}", 1e-3 * force));
+    strike.impulse_ns.map_or(NONE.to_owned(), |impulse| format!("{impulse:.0}{star}{force}"))
 }
 
 /// The phases that were struck, in their order.
@@ -296,7 +300,7 @@ fn pushes(robots: &[Robot], quick: bool, figures: &mut Figures) -> Option<Sectio
         }
         div.scroll { table {
             thead { tr {
-                th.left { "largest impulse " span.unit { "[Ns]" } }
+                th.left { "largest impulse " span.unit { "[Ns]" } ", force on a contact point on the way to it " span.unit { "[kN]" } }
                 @for robot in robots { th { (robot.scenario) ", forward" } th { (robot.scenario) ", backward" } }
             } }
             tbody {

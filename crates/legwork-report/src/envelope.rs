@@ -99,13 +99,14 @@ fn limits(answers: &[Answer], quick: bool) -> Chapter {
     let shown = |value: Option<f64>| value.map_or("\u{2013}".to_owned(), number);
     let body = html! {
         div.scroll { table {
-            thead { tr { th.left { "scenario" } th.left { "question" } th { "limit" } th { "first failure" } th { "furthest that held" } th { "rollouts" } th.left { "bounds broken" } } }
+            thead { tr { th.left { "scenario" } th.left { "question" } th { "limit" } th { "largest force " span.unit { "[N]" } } th { "first failure" } th { "furthest that held" } th { "rollouts" } th.left { "bounds broken" } } }
             tbody {
                 @for answer in answers {
                     tr {
                         th scope="row" { (answer.scenario) }
                         td.left { (answer.question) @if !answer.unit.is_empty() { " " span.unit { "[" (answer.unit) "]" } } }
                         td.measured { (shown(answer.found.value)) }
+                        td { (shown(answer.found.force_n)) }
                         td { (shown(answer.found.first_failure)) }
                         td { (shown(answer.found.furthest_held)) }
                         td.soft { (answer.found.rollouts) }
@@ -167,12 +168,14 @@ fn robustness(map: &RobustnessMap, figures: &mut Figures) -> Chapter {
             .collect(),
     };
     let all = || (0..phases.len()).flat_map(|row| (0..directions.len()).map(move |column| [row, column]));
-    let heat = HeatMap {
+    let force =
+        |phase, direction| cell(phase, direction).and_then(|cell| cell.found.force_n).map_or(f64::NAN, |n| 1e-3 * n);
+    let heat = |quantity, value: &dyn Fn(Option<f64>, f64) -> f64| HeatMap {
         row_title: "phase of the stride".into(),
         column_title: "direction of the push".into(),
         rows: phases.iter().map(|&phase| label(phase)).collect(),
         columns: directions.iter().map(|direction| format!("{direction:.0}\u{b0}")).collect(),
-        value: Quantity::new("largest impulse", "Ns/kg"),
+        value: quantity,
         cells: phases
             .iter()
             .map(|&phase| directions.iter().map(|&direction| value(phase, direction)).collect())
@@ -180,12 +183,16 @@ fn robustness(map: &RobustnessMap, figures: &mut Figures) -> Chapter {
         centre: None,
         doubtful: all().filter(|&[row, column]| is_doubtful(phases[row], directions[column])).collect(),
     };
+    let impulses = heat(Quantity::new("largest impulse", "Ns/kg"), &value);
+    let forces = heat(Quantity::new("largest force on a contact point", "kN"), &force);
     let body = html! {
         (figures.add("robustness-polar", "Largest impulse that is survived, by direction",
             "Per kilogram of the robot, for a push at its centre of mass; a curve for each phase of the stride at which it strikes, and one for standing.",
             |width| polar.draw(width)))
         (figures.add("robustness-phase", "The same by direction and phase",
-            "Directions: 0\u{b0} forward, 90\u{b0} up, 180\u{b0} backward, 270\u{b0} down.", |width| heat.draw(width)))
+            "Directions: 0\u{b0} forward, 90\u{b0} up, 180\u{b0} backward, 270\u{b0} down.", |width| impulses.draw(width)))
+        (figures.add("robustness-force", "What these cost: the largest force on a contact point",
+            "Of the pushes from none up to the largest that is survived.", |width| forces.draw(width)))
     };
     let lead = html! {
         @if let Some(stride) = map.stride {

@@ -56,6 +56,8 @@ pub struct Gait {
 pub struct Figures {
     /// Mean speed [m/s].
     pub mean_speed_mps: f64,
+    /// Way of the torso's angle from its least to its largest [rad].
+    pub torso_range_rad: f64,
     /// Torques by the kind of joint, right and left together.
     pub joints: Vec<JointTorque>,
     /// Mean of the sum of the squared torques [N²m²].
@@ -120,6 +122,7 @@ fn figures(run: &Run, used: &Use) -> Figures {
     let xcom = |of: fn(MeanPeak) -> f64| metrics.xcom_error_m.map(of);
     Figures {
         mean_speed_mps: metrics.mean_speed_mps,
+        torso_range_rad: torso_range(run),
         joints: joints(used),
         u2_n2m2: metrics.u2_n2m2.map(|u2| u2.mean),
         single_support_fraction: metrics.single_support_fraction,
@@ -144,6 +147,17 @@ fn joints(used: &Use) -> Vec<JointTorque> {
         JointTorque { joint, peak_nm: torques.iter().copied().fold(0.0, f64::max), mean_nm }
     };
     kinds.into_iter().map(torques).collect()
+}
+
+/// The way of the torso's angle from its least to its largest [rad]; the largest of its three in space.
+fn torso_range(run: &Run) -> f64 {
+    let angles = run.log.range(Field::TorsoReference).len() / 3;
+    let range = |column: usize| {
+        let [least, most] = [f64::min, f64::max].map(|of| run.log.column(column).reduce(of).unwrap_or(0.0));
+        most - least
+    };
+    let first = run.log.range(Field::Torso).start;
+    (first..first + angles).map(range).fold(0.0, f64::max)
 }
 
 /// The largest norm of the sum of the simulator's contact forces [N].

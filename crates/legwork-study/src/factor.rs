@@ -18,6 +18,8 @@ pub enum Level {
     Number(f64),
     /// One of the texts that a setting may have.
     Text(String),
+    /// A number for each path.
+    Row(Vec<f64>),
 }
 
 impl Level {
@@ -25,7 +27,7 @@ impl Level {
     pub fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),
-            Self::Flag(_) | Self::Text(_) => None,
+            Self::Flag(_) | Self::Text(_) | Self::Row(_) => None,
         }
     }
 }
@@ -38,6 +40,10 @@ impl Display for Level {
             Self::Number(number) if *number == 0.0 || (1e-4..1e7).contains(&number.abs()) => write!(f, "{number}"),
             Self::Number(number) => write!(f, "{number:e}"),
             Self::Text(text) => f.write_str(text),
+            Self::Row(row) => {
+                let row: Vec<String> = row.iter().map(|&number| Self::Number(number).to_string()).collect();
+                f.write_str(&row.join(" and "))
+            }
         }
     }
 }
@@ -146,9 +152,14 @@ pub struct Factor {
 }
 
 impl Factor {
-    /// What it does to each of its paths at `level`.
-    pub fn change(&self, level: &Level) -> Change {
+    /// Its paths with what it does to each of them at `level`.
+    pub fn changes<'a>(&'a self, level: &'a Level) -> impl Iterator<Item = (&'a str, Change)> {
+        self.paths.iter().enumerate().map(|(place, path)| (path.as_str(), self.change(level, place)))
+    }
+
+    fn change(&self, level: &Level, place: usize) -> Change {
         match level {
+            Level::Row(row) => Change::To(Value::Float(row[place])),
             Level::Number(number) if self.relative => Change::Times(*number),
             Level::Number(number) => Change::To(Value::Float(*number)),
             Level::Flag(flag) => Change::To(Value::Boolean(*flag)),
@@ -169,8 +180,10 @@ impl Factor {
             ("_rad", "rad"),
             ("_m", "m"),
         ];
+        let in_rows =
+            matches!(&self.levels, Levels::List(list) if list.iter().any(|level| matches!(level, Level::Row(_))));
         match Setting::find(&self.paths[0]) {
-            _ if self.relative => "",
+            _ if self.relative || in_rows => "",
             Some(setting) => setting.unit,
             None => ENDINGS.iter().find(|(ending, _)| self.paths[0].ends_with(ending)).map_or("", |(_, unit)| unit),
         }

@@ -252,6 +252,16 @@ impl FactorEntry {
         };
         if let Levels::List(list) = &levels {
             let mut found = BTreeSet::new();
+            for level in list {
+                if let Level::Row(row) = level
+                    && row.len() != paths.len()
+                {
+                    let (found, paths) = (row.len(), paths.len());
+                    return Err(format!(
+                        "list: found {found} numbers ({level}); valid is one for each path, of which there are {paths}"
+                    ));
+                }
+            }
             if let Some(twice) = list.iter().find(|level| !found.insert(format!("{level:?}"))) {
                 return Err(format!("list: {twice} is in it twice"));
             }
@@ -283,8 +293,19 @@ fn level(value: &Value) -> Result<Level, String> {
         Value::Integer(number) => Ok(Level::Number(*number as f64)),
         Value::Boolean(flag) => Ok(Level::Flag(*flag)),
         Value::String(text) => Ok(Level::Text(text.clone())),
-        other => Err(format!("list: found {}; valid are numbers, texts, true and false", settings::in_words(other))),
+        Value::Array(row) if row.len() > 1 => {
+            let number = |value: &Value| level(value)?.number().ok_or_else(|| wrong(value));
+            row.iter().map(number).collect::<Result<_, _>>().map(Level::Row)
+        }
+        other => Err(wrong(other)),
     }
+}
+
+fn wrong(value: &Value) -> String {
+    let found = settings::in_words(value);
+    format!(
+        "list: found {found}; valid are numbers, texts, true and false, and lists of a number for each of several paths"
+    )
 }
 
 fn checked(range: Range, key: &str, sampled: bool) -> Result<Range, String> {

@@ -66,6 +66,11 @@ pub fn figure(rollout: &Rollout, name: &str) -> Option<f64> {
     rollout.figures.get(index).copied().flatten()
 }
 
+/// The largest force on a contact point of a rollout [N].
+pub fn largest_force(rollout: &Rollout) -> Option<f64> {
+    figure(rollout, "grf_simulated_n.peak")
+}
+
 /// A question for a limit.
 #[derive(Clone, Debug)]
 pub struct Question<'a> {
@@ -136,14 +141,15 @@ impl<'a> Question<'a> {
     /// Searches for the answer; none where `stop` says so before. The same on any number of threads.
     pub fn answer(&self, stop: impl Fn() -> bool + Sync) -> Option<Answer> {
         let mut found = self.search.run(|value, nudge| {
-            let (failure, violations) = match self.variant(value, nudge) {
+            let (failure, violations, force_n) = match self.variant(value, nudge) {
                 Ok(variant) => {
                     let rollout = rollout::run(&variant, &stop)?;
-                    (self.held.failure(&variant, &rollout), rollout.violations)
+                    let force_n = largest_force(&rollout);
+                    (self.held.failure(&variant, &rollout), rollout.violations, force_n)
                 }
-                Err(error) => (Some(error.to_string()), None),
+                Err(error) => (Some(error.to_string()), None, None),
             };
-            Some(Attempt { failure: failure.map(|reason| after_nudge(nudge, reason)), violations })
+            Some(Attempt { failure: failure.map(|reason| after_nudge(nudge, reason)), violations, force_n })
         })?;
         let scale = |value: &mut f64| *value = (*value * self.factor * 1e9).round() / 1e9;
         [&mut found.value, &mut found.first_failure, &mut found.furthest_held].into_iter().flatten().for_each(scale);
@@ -223,9 +229,9 @@ pub(crate) fn fastest(base: &Base, commanded: CommandedSpeed, hopeless: f64) -> 
     speeds.find(|&speed| base.at_speed(commanded, speed).is_ok()).unwrap_or(commanded.speed_mps)
 }
 
-/// What counts as following the reference: the mean CoM error is within what counts as recovered.
+/// What counts as following the reference.
 pub fn follows(base: &Base) -> Held {
-    Held::Follows(base.variant().scenario.metrics.recovered_within_m)
+    Held::Follows(base.variant().scenario.metrics.followed_within_m)
 }
 
 /// The questions for what can be too low, down to a fiftieth of the scenario's own value; of the torque limit, which begins

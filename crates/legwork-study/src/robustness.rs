@@ -3,6 +3,7 @@
 
 use serde::Serialize;
 
+use crate::limits::largest_force;
 use crate::rollout::{self, Rollout};
 use crate::search::{Attempt, Found, Search};
 use crate::{Base, Variant};
@@ -121,7 +122,7 @@ impl Robustness {
         let found = self.plan.search.run(|impulse, _nudge| {
             let rollout = rollout::run(&self.struck(variant, impulse, direction_deg, start_s), &stop)?;
             let failure = (!rollout.survived()).then(|| reason(&rollout));
-            Some(Attempt { failure, violations: rollout.violations })
+            Some(Attempt { failure, force_n: largest_force(&rollout), violations: rollout.violations })
         })?;
         Some(Cell { scenario: variant.scenario.name.clone(), phase, direction_deg, start_s, found })
     }

@@ -38,12 +38,14 @@ pub struct Search {
 }
 
 /// What came of a try.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Attempt {
     /// Why the value did not hold; none where it did.
     pub failure: Option<String>,
     /// Bounds of the simulator's audit that its rollout broke, in words.
     pub violations: Option<String>,
+    /// Largest force on a contact point [N].
+    pub force_n: Option<f64>,
 }
 
 /// One value that was tried.
@@ -57,6 +59,8 @@ pub struct Trial {
     pub nudged: bool,
     /// Bounds of the simulator's audit that a rollout of it broke, in words.
     pub violations: Option<String>,
+    /// Largest force on a contact point [N].
+    pub force_n: Option<f64>,
 }
 
 /// What a search found.
@@ -71,6 +75,8 @@ pub struct Found {
     /// Bounds of the simulator's audit that were broken on the way from the start to the first failure, which all of the
     /// answer rests on: those of the value nearest to the limit; none where all rollouts kept them.
     pub violations: Option<String>,
+    /// Largest force on a contact point of what held from the start to the limit [N].
+    pub force_n: Option<f64>,
     /// The furthest value that held at all, perhaps on an island beyond the first failure.
     pub furthest_held: Option<f64>,
     /// How many rollouts it took.
@@ -138,7 +144,8 @@ impl Search {
             for (&step, outcomes) in steps.iter().zip(outcomes.chunks(each)) {
                 let failure = outcomes.iter().find_map(|outcome| outcome.failure.clone());
                 let violations = outcomes.iter().find_map(|outcome| outcome.violations.clone());
-                tried.insert(step, Trial { value: self.value(step), failure, nudged, violations });
+                let force_n = outcomes.iter().filter_map(|outcome| outcome.force_n).reduce(f64::max);
+                tried.insert(step, Trial { value: self.value(step), failure, nudged, violations, force_n });
             }
             next = self.next(&tried);
         }
@@ -177,6 +184,7 @@ fn found(tried: Vec<Trial>, rollouts: usize) -> Found {
         first_failure: beyond.map(|trial| trial.value),
         reason_beyond: beyond.and_then(|trial| trial.failure.clone()),
         violations: rests_on.iter().rev().find_map(|trial| trial.violations.clone()),
+        force_n: tried[..first.unwrap_or(tried.len())].iter().filter_map(|trial| trial.force_n).reduce(f64::max),
         furthest_held: tried.iter().rfind(|trial| trial.failure.is_none()).map(|trial| trial.value),
         rollouts,
         tried,

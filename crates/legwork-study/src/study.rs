@@ -198,11 +198,11 @@ impl Study {
     /// # Errors
     /// The combination of levels is not valid.
     pub fn variant(&self, point: &Point) -> Result<Variant, Error> {
-        let changes: Vec<(&Factor, Change)> = (self.factors.iter().zip(&point.levels))
-            .filter_map(|(factor, level)| Some((factor, factor.change(level.as_ref()?))))
+        let changes: Vec<(&str, Change)> = (self.factors.iter().zip(&point.levels))
+            .filter_map(|(factor, level)| Some(factor.changes(level.as_ref()?)))
+            .flatten()
             .collect();
-        let each = changes.iter().flat_map(|(factor, change)| factor.paths.iter().map(move |path| (&**path, change)));
-        self.bases[point.base].vary(each)
+        self.bases[point.base].vary(changes.iter().map(|(path, change)| (*path, change)))
     }
 
     /// Runs the rollout of number `index`; none where `stop` says so before its end.
@@ -316,8 +316,8 @@ pub(crate) fn check_levels(factor: &Factor, bases: &[Base]) -> Result<(), String
             }
         }
         for level in factor.levels.extremes() {
-            let change = factor.change(&level);
-            let tried = base.vary(factor.paths.iter().map(|path| (&**path, &change)));
+            let changes: Vec<(&str, Change)> = factor.changes(&level).collect();
+            let tried = base.vary(changes.iter().map(|(path, change)| (*path, change)));
             let tried = tried.and_then(|variant| variant.check());
             if let Err(error) = tried {
                 return Err(format!("the level {level} is not one that {} can have: {error}", base.name()));

@@ -19,7 +19,7 @@ fn search(search: Search, holds: impl Fn(f64, u32) -> bool + Sync) -> Found {
     let attempt = |value: f64, nudge: u32| {
         calls.fetch_add(1, Ordering::Relaxed);
         let failure = (!holds(value, nudge)).then(|| format!("{value} under {nudge}"));
-        Some(Attempt { failure, violations: None })
+        Some(Attempt { failure, force_n: Some(1000.0 * value), ..Attempt::default() })
     };
     let found = search.run(attempt).expect("nothing stops it");
     assert_eq!(found.rollouts, calls.into_inner());
@@ -37,6 +37,7 @@ fn an_edge_is_found_to_the_resolution_from_either_side() {
         let (value, fails) = (up.value.unwrap(), up.first_failure.unwrap());
         assert!(value < edge && fails >= edge && (fails - value - 0.005).abs() < 1e-9, "{edge}: {value}, {fails}");
         assert_eq!(up.furthest_held, up.value);
+        assert_eq!(up.force_n, up.value.map(|value| 1000.0 * value), "the largest of what held, not of what failed");
         assert_eq!(up.reason_beyond, Some(format!("{fails} under 0")));
         // A scan of 25, at most 4 bisections and 5 confirmations with 3 tries each, at most every second value of 200
         assert!(up.rollouts <= 25 + 3 * (4 + 5) + 100, "{edge}: {}", up.rollouts);
@@ -52,7 +53,8 @@ fn a_limit_rests_on_what_was_tried_up_to_its_first_failure() {
     let broken_from = |from: f64| {
         let attempt = |value: f64, _| {
             let failure = (value >= 0.5).then(|| "fell".to_owned());
-            Some(Attempt { failure, violations: (value >= from).then(|| format!("at {value}")) })
+            let violations = (value >= from).then(|| format!("at {value}"));
+            Some(Attempt { failure, violations, ..Attempt::default() })
         };
         Search::new(0.0, 1.0, 2).run(attempt).expect("nothing stops it")
     };

@@ -136,6 +136,8 @@ fn wrong_files_are_refused_with_place_found_and_valid() {
         ("list = [0.9, 1.1]", "list = [0.9, 0.9]", "0.9 is in it twice"),
         ("list = [0.9, 1.1]", "", "needs exactly one of list, linear and logarithmic"),
         ("list = [0.9, 1.1]", "list = [[1]]", "found a list; valid are numbers, texts, true and false"),
+        ("list = [0.9, 1.1]", "list = [[1, 2, 3]]", "found 3 numbers (1 and 2 and 3); valid is one for each path"),
+        ("list = [0.9, 1.1]", "list = [[1, \"x\"]]", "found the text \"x\"; valid are numbers"),
         ("name = \"mass\"", "name = \"ground.friction\"", "another factor is called \"ground.friction\" as well"),
         ("path = \"ground.friction\"", "", "needs either path or paths"),
         ("linear = { from = 0.4", "logarithmic = { from = 0", "logarithmic: from is 0; valid is a number above 0"),
@@ -174,6 +176,17 @@ fn wrong_files_are_refused_with_place_found_and_valid() {
     }
     assert!(parse("").expect_err("empty").contains("nothing in it"));
     assert!(parse("design = \"grid").is_err());
+}
+
+#[test]
+fn a_level_may_be_a_number_for_each_path() {
+    let text = "scenarios = [\"push\"]\ndesign = \"grid\"\n[[factors]]\nname = \"push\"\n\
+                paths = [\"pushes.0.force_n\", \"pushes.0.duration_s\"]\nlist = [[900, 0.05], [450, 0.1]]\n";
+    let study = Study::parse(text, "t.toml", None, &[]).expect("a study");
+    let push = |index| study.variant(&study.point(index)).expect("it is valid").scenario.pushes[0].clone();
+    assert_eq!([0, 1].map(|index| (push(index).force_n, push(index).duration_s)), [(900.0, 0.05), (450.0, 0.1)]);
+    let level = study.point(0).levels[0].clone().expect("a level");
+    assert_eq!((level.to_string(), study.factors[0].unit()), ("900 and 0.05".to_owned(), ""));
 }
 
 #[test]

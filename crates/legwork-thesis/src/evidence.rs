@@ -45,13 +45,20 @@ impl Evidence {
         self.sweeps.iter().find(is_it).unwrap_or_else(|| panic!("no sweep {study}"))
     }
 
-    /// What a trial gave.
+    /// What a case with settings gave.
     ///
     /// # Panics
     /// If it is none of [`super::trial::trials`] and no case.
     pub fn trial(&self, case: Case, sets: &[String]) -> &TrialResult {
-        let wanted = Trial { scenario: case.scenario(), sets: sets.to_vec() };
-        let found = self.trials.iter().find(|result| result.trial == wanted);
+        self.result(&Trial::of_case(case, sets.to_vec()))
+    }
+
+    /// What a trial gave.
+    ///
+    /// # Panics
+    /// As [`Self::trial`].
+    pub(crate) fn result(&self, wanted: &Trial) -> &TrialResult {
+        let found = self.trials.iter().find(|result| result.trial == *wanted);
         found.unwrap_or_else(|| panic!("not run: {}", wanted.command()))
     }
 

@@ -83,14 +83,16 @@ fn runs(reproduction: &Reproduction, folder: &Path) -> Result<(), Error> {
     let mut columns = vec![Column::text("scenario"), Column::text("settings"), Column::text("command")];
     columns.extend([Column::number("ticks", ""), Column::number("infeasible", "")]);
     columns.extend([Column::number("first_infeasible_s", "s"), Column::number("since_trigger_s", "s")]);
+    columns.push(Column::number("missed_at_start_n", "N"));
     columns.extend([Column::text("conflict"), Column::number("tasks_yielded", ""), Column::number("torque_held", "")]);
     columns.extend(rollout_columns(reproduction));
     let row = |result: &super::trial::TrialResult| {
         let (trial, program) = (&result.trial, &result.program);
-        let mut row: Vec<Cell> = vec![trial.scenario.into(), trial.sets.join(" ").as_str().into()];
+        let mut row: Vec<Cell> = vec![trial.scenario.as_str().into(), trial.sets.join(" ").as_str().into()];
         row.push(trial.command().as_str().into());
         row.extend([program.ticks as f64, program.infeasible as f64].map(Cell::from));
-        row.extend([program.first_infeasible_s, program.since_trigger_s].map(Cell::from));
+        let figures = [program.first_infeasible_s, program.since_trigger_s, program.missed_at_start_n];
+        row.extend(figures.map(Cell::from));
         row.push(program.conflict.join(", ").as_str().into());
         row.extend([program.tasks_yielded as f64, program.torque_held as f64].map(Cell::from));
         row.extend(rollout_cells(&result.rollout, reproduction.columns.len()));

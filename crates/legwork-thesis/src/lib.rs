@@ -107,7 +107,7 @@ pub fn run(progress: impl Fn(u64) + Sync, stop: impl Fn() -> bool + Sync) -> Res
     let whole = |run: Run| (!matches!(run.outcome, Outcome::Stopped)).then_some(run);
     // None of a piece that was stopped.
     let limit = |(sought, reading): &(&'static Sought, _)| sought.search(*reading, stop);
-    let case = |case: &Case| Ok(whole(Trial::of_case(*case).run(stop)?));
+    let case = |case: &Case| Ok(whole(Trial::of_case(*case, Vec::new()).run(stop)?));
     let level = |(study, index): &(usize, u64)| {
         let run = whole(simulate(&studies[*study].variant(&studies[*study].point(*index))?, stop)?);
         Ok(run.map(|run| (*index, Rollout::of(&run), momentum_rate_limited_fraction(&run))))
@@ -124,7 +124,7 @@ pub fn run(progress: impl Fn(u64) + Sync, stop: impl Fn() -> bool + Sync) -> Res
     for study in studies {
         sweeps.extend(Sweep::all_of(study, levels.by_ref().take(sweep::levels_of(study).count()))?);
     }
-    let cases = plan.cases.iter().zip(&runs).map(|(case, run)| TrialResult::of(Trial::of_case(*case), run));
+    let cases = plan.cases.iter().zip(&runs).map(|(case, run)| TrialResult::of(Trial::of_case(*case, Vec::new()), run));
     let trials = cases.chain(trials).collect();
     let pairs = answers.chunks(Reading::ALL.len());
     let limits = sought().iter().zip(pairs).map(|(sought, answers)| sought.row(answers)).collect();

@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn the_same_settings_give_the_same_torques_and_others_do_not() {
-        let trial = Trial { scenario: "walk", sets: Vec::new() };
+        let trial = Trial { scenario: "walk".into(), sets: Vec::new() };
         let run = trial.run(|| false).expect("it is built in");
         let same = replay(&run, &[]).expect("no setting");
         assert_eq!((same.torque_difference_nm, same.fallbacks, same.ticks), (0.0, 0, run.log.len()));

@@ -159,7 +159,7 @@ mod tests {
     fn a_run_that_broke_the_audit_is_said_beside_its_figures() {
         // The soles of a walk in steps of 10 ms reach millimetres into the ground.
         let sets = ["simulation.period_s=0.01", "controller.period_s=0.01", "duration_s=1"].map(str::to_owned).to_vec();
-        let coarse = Trial { scenario: "walk", sets }.run(|| false).expect("it can be run");
+        let coarse = Trial { scenario: "walk".into(), sets }.run(|| false).expect("it can be run");
         let remark = tables(|_| &coarse)[0].rows[0].remark();
         assert!(remark.starts_with("walk-baseline broke bounds of the simulation: "), "{remark}");
         assert!(remark.contains("; penetration of the ground: "), "{remark}");
@@ -168,7 +168,7 @@ mod tests {
             assert_eq!(measured.violations, Some(coarse.violations().join("; ")));
         }
         let sound =
-            Trial { scenario: "walk", sets: vec!["duration_s=1".to_owned()] }.run(|| false).expect("it can be run");
+            Trial { scenario: "walk".into(), sets: vec!["duration_s=1".into()] }.run(|| false).expect("it can be run");
         assert!(tables(|_| &sound).iter().flat_map(|table| &table.rows).all(|row| !row.remark().contains("broke")));
     }
 }

@@ -38,7 +38,7 @@ const TERMS: [(&str, &str); 9] = [
     ),
     ("unchanged", "from the least to the largest value, no more than {unchanged} of the baseline's own"),
     ("little changed", "the same with {little}; what is more is much changed"),
-    ("poor", "at least {poor} times the baseline's own, or a fall"),
+    ("poor", "at least {poor} times the baseline's own at every level, of a fall up to it"),
     ("straight", "a line explains at least {straight} of the variance"),
     (
         "diminishing",

@@ -1,24 +1,27 @@
 //! The runs beside the sweeps: variants of the eight cases, for the claims and the open questions.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::case::{Case, Gains};
+use super::claims;
 use super::sweep::figure;
 use legwork::control::Fallback;
 use legwork::episode::Run;
 use legwork::error::Error;
-use legwork::log::Field;
+use legwork::log::{Channel, Field};
 use legwork::momentum::{Condition, LimitKind};
 use legwork_study::Rollout;
 use legwork_study::rollout::simulate;
 use legwork_study::{Base, Variant};
 
 /// A scenario with settings as `--set` takes them.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Trial {
     /// The built-in scenario.
-    pub scenario: &'static str,
+    pub scenario: String,
     /// Its settings, as `controller.limits.torque_nm=500`.
+    #[serde(default)]
     pub sets: Vec<String>,
 }
 
@@ -50,6 +53,8 @@ pub struct ProgramReport {
     pub limited: Vec<&'static str>,
     /// How long after the trigger of a step that was [s]; none in double support.
     pub since_trigger_s: Option<f64>,
+    /// Linear momentum rate that was missed in the first tenth of steps [N], on the mean; none without a step.
+    pub missed_at_start_n: Option<f64>,
     /// Ticks in which hard tasks became costs.
     pub tasks_yielded: usize,
     /// Ticks that had no solution at all.
@@ -99,7 +104,7 @@ pub(crate) fn stacked(weight: f64, gain: f64) -> Vec<String> {
 pub fn trials() -> Vec<Trial> {
     let mut trials = Vec::new();
     for case in Case::all() {
-        let mut add = |sets: Vec<String>| trials.push(Trial { scenario: case.scenario(), sets });
+        let mut add = |sets: Vec<String>| trials.push(Trial::of_case(case, sets));
         HARD_FEET_WITH.iter().for_each(|&with| add(hard_feet(with)));
         add(vec![REPLAN.to_owned()]);
         add(vec![CRITICAL.to_owned()]);
@@ -115,13 +120,14 @@ pub fn trials() -> Vec<Trial> {
             }
         }
     }
+    trials.extend(claims::trials());
     trials
 }
 
 impl Trial {
-    /// A case as it stands.
-    pub(crate) fn of_case(case: Case) -> Self {
-        Self { scenario: case.scenario(), sets: Vec::new() }
+    /// A case with settings.
+    pub(crate) fn of_case(case: Case, sets: Vec<String>) -> Self {
+        Self { scenario: case.scenario().to_owned(), sets }
     }
 
     /// What is run.
@@ -129,7 +135,7 @@ impl Trial {
     /// # Errors
     /// A setting is not one of the scenario.
     pub(crate) fn variant(&self) -> Result<Variant, Error> {
-        Ok(Base::load(self.scenario, &self.sets)?.variant().clone())
+        Ok(Base::load(&self.scenario, &self.sets)?.variant().clone())
     }
 
     /// Runs it.
@@ -164,6 +170,23 @@ impl TrialResult {
     }
 }
 
+/// How far into a step its start reaches, as a share of the step time.
+pub(crate) const START_OF_STEP: f64 = 0.1;
+
+/// The linear momentum rate that the program missed at the start of steps [N], on the mean.
+fn missed_at_start(run: &Run) -> Option<f64> {
+    let is_momentum = |(_, channel): &(usize, &Channel)| channel.name.starts_with("slack.momentum.linear_");
+    let columns: Vec<usize> = run.log.columns().iter().enumerate().filter(is_momentum).map(|(i, _)| i).collect();
+    let start = START_OF_STEP * run.scenario.reference.step.duration_s;
+    let starts = |&index: &usize| {
+        let swing = run.log.get(index, Field::Swing);
+        swing[0] >= 0.0 && run.log.time(index) - swing[1] <= start
+    };
+    let missed = |index: usize| columns.iter().map(|&i| run.log.record(index)[i].powi(2)).sum::<f64>().sqrt();
+    let missed: Vec<f64> = (0..run.log.len()).filter(starts).map(missed).collect();
+    (!missed.is_empty()).then(|| missed.iter().sum::<f64>() / missed.len() as f64)
+}
+
 impl ProgramReport {
     fn of(run: &Run) -> Self {
         let fallbacks = |which: Fallback| {
@@ -184,6 +207,7 @@ impl ProgramReport {
             limited: conflict.iter().filter_map(Condition::limit).map(LimitKind::quantity).collect(),
             conflict: conflict.iter().map(|condition| condition.in_words(&run.model)).collect(),
             since_trigger_s: first_infeasible_s.and_then(since),
+            missed_at_start_n: missed_at_start(run),
             tasks_yielded: fallbacks(Fallback::TasksYield),
             torque_held: fallbacks(Fallback::HoldTorque),
         }

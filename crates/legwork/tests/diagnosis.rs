@@ -119,10 +119,10 @@ const KNOWN: [Known; 17] = [
 
 /// The same for the walker.
 #[rustfmt::skip]
-const KNOWN_FEET: [Known; 18] = [
+const KNOWN_FEET: [Known; 17] = [
     ("push-walking", &["pushes.0.force_n=650", "pushes.0.start_s=5.2"], "push", "",
         &["pushes.0.force_n=450", "pushes.0.start_s=5.2"]),
-    ("push-walking", &["pushes.0.force_n=850", "pushes.0.direction_deg=180", "pushes.0.start_s=5.3"], "push", "",
+    ("push-walking", &["pushes.0.force_n=1000", "pushes.0.direction_deg=180", "pushes.0.start_s=5.3"], "push", "",
         &["pushes.0.force_n=600", "pushes.0.direction_deg=180", "pushes.0.start_s=5.3"]),
     ("stand-push", &["pushes.0.force_n=1100"], "push", "", &["pushes.0.force_n=700"]),
     ("stand-push", &["pushes.0.force_n=300", "reference.walker.longest_m=0.1"], "step-too-short", "",
@@ -131,23 +131,22 @@ const KNOWN_FEET: [Known; 18] = [
         "step-too-short", "", &["pushes.0.force_n=300", "pushes.0.direction_deg=180"]),
     ("feet-walk", &["ground.patches=[[2,20,0.15]]"], "friction", "right_foot",
         &["ground.patches=[[2,20,0.15]]", "ground.relief_known=true"]),
-    ("feet-walk", &["ground.friction=0.05"], "friction", "left_toe", &["ground.friction=0.1"]),
+    ("feet-walk", &["ground.friction=0.03"], "friction", "left_toe", &["ground.friction=0.1"]),
     ("feet-walk", &["controller.limits.torque_nm=100"], "torque-limit", "right_ankle", &[]),
-    ("feet-walk", &["controller.limits.torque_rate_nmps=1800"], "torque-rate-limit", "right_hip", &[]),
-    ("feet-walk", &["controller.limits.joint_acceleration_radps2=40"], "acceleration-limit", "right_hip", &[]),
-    ("feet-walk", &["controller.limits.grf_n=350"], "force-limit", "left_toe", &["controller.limits.grf_n=500"]),
-    ("feet-walk", &["ground.profile=[[2,0],[2.02,-0.1]]"], "missed-ground", "left_foot",
-        &["ground.profile=[[2,0],[2.02,-0.1]]", "ground.relief_known=true"]),
-    ("feet-walk", &["ground.profile=[[2.05,0],[2.07,0.08]]"], "missed-ground", "right_foot",
-        &["ground.profile=[[2.05,0],[2.07,0.08]]", "ground.relief_known=true"]),
+    ("feet-walk", &["controller.limits.torque_rate_nmps=1000"], "torque-rate-limit", "right_hip", &[]),
+    ("feet-walk", &["controller.limits.joint_acceleration_radps2=40"], "acceleration-limit", "right_knee", &[]),
+    ("feet-walk", &["controller.limits.grf_n=350"], "force-limit", "right_toe", &["controller.limits.grf_n=500"]),
+    ("feet-walk", &["ground.profile=[[1.6,0],[1.62,-0.15]]"], "missed-ground", "left_foot",
+        &["ground.profile=[[1.6,0],[1.62,-0.15]]", "ground.relief_known=true"]),
+    ("feet-walk", &["ground.profile=[[2.2,0],[2.22,0.08]]"], "missed-ground", "right_foot",
+        &["ground.profile=[[2.2,0],[2.22,0.08]]", "ground.relief_known=true"]),
     ("feet-walk", &["ground.profile=[[1.8,0],[1.82,0.08]]"], "missed-ground", "left_foot",
         &["ground.profile=[[1.8,0],[1.82,0.02]]"]),
     ("feet-walk", &["ground.profile=[[1.95,0],[1.97,0.08]]", "ground.relief_known=true"], "missed-ground", "left_foot",
         &["ground.profile=[[1.93,0],[1.95,0.08]]", "ground.relief_known=true"]),
-    ("feet-walk", &["ground.slope_deg=-12", "ground.known=false"], "missed-ground", "left_foot",
-        &["ground.slope_deg=-12", "ground.known=false", "controller.assumed_slope_deg=-12"]),
-    ("stand-push", &["pushes.0.force_n=800"], "outweighed", "", &["pushes.0.force_n=800", "controller.weights.torso=0.3"]),
-    ("feet-walk", &["controller.weights.feet=10"], "outweighed", "", &[]),
+    ("feet-walk", &["ground.slope_deg=-14", "ground.known=false"], "missed-ground", "left_foot",
+        &["ground.slope_deg=-12", "ground.known=false"]),
+    ("feet-walk", &["controller.weights.feet=2"], "outweighed", "", &[]),
 ];
 
 #[test]
@@ -178,27 +177,27 @@ fn check(known: &[Known], duration: &'static str) {
     }
 }
 
-/// At 1.8 m/s an ankle of the walker comes to its end; with more room in both of them alone it walks on.
+/// At 2.2 m/s, with steps as long as that wants, an ankle of the walker comes to its end; with more room in both of them alone it
+/// walks on.
 #[test]
 fn the_end_of_an_ankles_range_is_named() {
-    let (scenario, mut model) = load("feet-walk", &["reference.walker.speed_mps=1.8", "duration_s=8"]);
+    let (scenario, mut model) =
+        load("feet-walk", &["reference.walker.speed_mps=2.2", "reference.walker.longest_m=1.4", "duration_s=8"]);
     let run = episode::run(&scenario, &model, &[], |_| false).expect("it can start");
     let found = diagnosis(&run);
-    assert_eq!(found.cause, FirstCause::JointLimit { joint: "right_ankle".into() }, "{}", found.sentence);
-    assert_eq!(number(&found.sentence, "right ankle was held back by its end at", "deg"), 40.0);
+    assert_eq!(found.cause, FirstCause::JointLimit { joint: "left_ankle".into() }, "{}", found.sentence);
+    assert_eq!(number(&found.sentence, "left ankle was held back by its end at", "deg"), 40.0);
     model.dofs.iter_mut().filter(|dof| dof.name.ends_with("ankle")).for_each(|dof| dof.upper = 75.0_f64.to_radians());
     let run = episode::run(&scenario, &model, &[], |_| false).expect("it can start");
     assert_eq!(run.outcome, Outcome::Completed, "{:?}", run.reason);
 }
 
-/// Up 15 degrees the walker's hips are too weak; stronger ones alone carry it up.
+/// With 100 Nm in every joint the walker's ankles are too weak: stronger ones alone carry it, stronger knees do not.
 #[test]
 fn the_walkers_named_joint_is_the_one_that_was_too_weak() {
     let (scenario, mut weak) = load("feet-walk", &[]);
-    for dof in weak.dofs.iter_mut().filter(|dof| dof.name.ends_with("ankle")) {
-        dof.effort_limit = 100.0;
-    }
-    for (strong, stands) in [("ankle", true), ("knee", false), ("hip", false), ("", false)] {
+    weak.dofs.iter_mut().for_each(|dof| dof.effort_limit = 100.0);
+    for (strong, stands) in [("ankle", true), ("knee", false), ("", false)] {
         let mut model = weak.clone();
         for dof in model.dofs.iter_mut().filter(|dof| !strong.is_empty() && dof.name.ends_with(strong)) {
             dof.effort_limit *= 1.5;
@@ -304,7 +303,7 @@ fn the_numbers_of_a_push_on_soles_are_those_of_the_log() {
 #[test]
 fn the_ground_that_a_walker_did_not_know_is_as_the_scenario_has_it() {
     for (edge, step, height, way) in
-        [(2.0, -0.1, 10.0, "lower"), (2.0, -0.15, 15.0, "lower"), (2.05, 0.08, 8.0, "higher")]
+        [(1.6, -0.15, 15.0, "lower"), (1.6, -0.2, 20.0, "lower"), (2.15, 0.1, 10.0, "higher")]
     {
         let run = common::run("feet-walk", &[&format!("ground.profile=[[{edge:?},0],[{:?},{step:?}]]", edge + 0.02)]);
         let sentence = &diagnosis(&run).sentence;
@@ -318,11 +317,11 @@ fn the_ground_that_a_walker_did_not_know_is_as_the_scenario_has_it() {
             assert!(column(&run, "swing")[tick - 20] == 1.0 && column(&run, "swing")[tick + 20] != 1.0, "{sentence}");
         }
     }
-    let run = common::run("feet-walk", &["ground.slope_deg=-12", "ground.known=false"]);
+    let run = common::run("feet-walk", &["ground.slope_deg=-14", "ground.known=false"]);
     let sentence = &diagnosis(&run).sentence;
     assert!(
         sentence.contains("lower than the controller believed at")
-            && sentence.contains("(slope -12 deg, assumed to be 0)"),
+            && sentence.contains("(slope -14 deg, assumed to be 0)"),
         "{sentence}"
     );
 }

@@ -118,6 +118,7 @@ fn strike(cell: Cell, mass_kg: f64) -> Strike {
         phase: cell.phase,
         direction_deg: cell.direction_deg,
         impulse_ns: cell.found.value.map(|value| value * mass_kg),
+        force_n: cell.found.force_n,
         reason_beyond: cell.found.reason_beyond,
         violations: cell.found.violations,
     }

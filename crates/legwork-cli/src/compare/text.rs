@@ -46,14 +46,15 @@ fn gaits(report: &Report) -> String {
 
 fn pushes(robots: &[Robot]) -> Option<String> {
     let speed = robots.iter().find_map(|robot| robot.pushes.as_ref())?.speed_mps;
-    let mut text = format!("Largest impulse survived at {speed} m/s [Ns]\n  {:<14}", "");
-    robots.iter().for_each(|robot| text += &format!("{:>24}", robot.scenario));
+    let title = "and the largest force\n  on a contact point of what was survived [kN]";
+    let mut text = format!("Largest impulse survived at {speed} m/s [Ns], {title}\n  {:<14}", "");
+    robots.iter().for_each(|robot| text += &format!("{:>28}", robot.scenario));
     text += &format!("\n  {:<14}", "");
-    robots.iter().for_each(|_| text += &format!("{:>12}{:>12}", "forward", "backward"));
+    robots.iter().for_each(|_| text += &format!("{:>14}{:>14}", "forward", "backward"));
     for phase in phases(robots) {
         text += &format!("\n  {:<14}", phase_label(phase));
         for (robot, direction) in robots.iter().flat_map(|robot| [(robot, 0.0), (robot, 180.0)]) {
-            text += &format!("{:>12}", impulse(robot, phase, direction));
+            text += &format!("{:>14}", impulse(robot, phase, direction));
         }
     }
     Some(starred(text))

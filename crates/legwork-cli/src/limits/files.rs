@@ -30,19 +30,19 @@ pub(crate) fn write(report: &Report, folder: &Path) -> Result<(), Failure> {
     write_page(&envelope::page(report), folder)?;
     let write = |name: &str, text: String| write_text(&folder.join(name), &text);
     if let Some(answers) = &report.limits {
-        let head = "scenario,question,unit,value,first_failure,furthest_held,rollouts,reason_beyond,violations";
+        let head = "scenario,question,unit,value,largest_force_n,first_failure,furthest_held,rollouts,reason_beyond,violations";
         let rows = answers.iter().map(|answer| {
             let found = &answer.found;
-            let values = (found.value, found.first_failure, found.furthest_held, found.rollouts);
+            let values = (found.value, found.force_n, found.first_failure, found.furthest_held, found.rollouts);
             (&answer.scenario, &answer.question, answer.unit, values, &found.reason_beyond, &found.violations)
         });
         write(LIMITS, csv(head, rows)?)?;
     }
     if let Some(map) = &report.robustness {
-        let head = "scenario,phase,direction_deg,start_s,value_nspkg,first_failure_nspkg,furthest_held_nspkg,rollouts,reason_beyond,violations";
+        let head = "scenario,phase,direction_deg,start_s,value_nspkg,largest_force_n,first_failure_nspkg,furthest_held_nspkg,rollouts,reason_beyond,violations";
         let rows = map.cells.iter().map(|cell| {
             let found = &cell.found;
-            let values = (found.value, found.first_failure, found.furthest_held, found.rollouts);
+            let values = (found.value, found.force_n, found.first_failure, found.furthest_held, found.rollouts);
             (
                 &cell.scenario,
                 cell.phase,

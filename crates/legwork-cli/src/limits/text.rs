@@ -22,19 +22,24 @@ pub(crate) fn text(report: &Report) -> String {
 }
 
 fn limits(answers: &[Answer]) -> String {
-    let mut text = "Limits".to_owned();
+    let mut text = "Limits\n  force: largest on a contact point of what held up to the limit [kN]".to_owned();
     let mut scenario = "";
     for answer in answers {
         if answer.scenario != scenario {
             scenario = &answer.scenario;
-            text += &format!("\n  {scenario:<42}{:>10}{:>10}{:>14}", "limit", "fails at", "furthest held");
+            text += &format!("\n  {scenario:<38}{:>9}{:>7}{:>10}{:>14}", "limit", "force", "fails at", "furthest held");
         }
         let found = &answer.found;
         let shown = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
         let further = found.furthest_held.filter(|_| found.furthest_held != found.value);
         let label = format!("{} [{}]", answer.question, answer.unit).replace(" []", "");
-        let line =
-            format!("\n    {label:<40}{:>10}{:>10}{:>14}", limit(found), shown(found.first_failure), shown(further));
+        let line = format!(
+            "\n    {label:<36}{:>9}{:>7}{:>10}{:>14}",
+            limit(found),
+            kilonewtons(found.force_n),
+            shown(found.first_failure),
+            shown(further)
+        );
         text += line.trim_end();
         if let Some(reason) = &found.reason_beyond {
             text += &format!("\n{}", folded(&format!("      beyond: {reason}"), 8));
@@ -42,6 +47,11 @@ fn limits(answers: &[Answer]) -> String {
         text += &doubt("      rests on rollouts that ", found.violations.as_ref());
     }
     text
+}
+
+/// A force in kN; nothing where there is none.
+fn kilonewtons(force_n: Option<f64>) -> String {
+    force_n.map_or(String::new(), |force| format!("{:.1}", 1e-3 * force))
 }
 
 /// That something broke bounds of the simulation, and which, on a line of its own.
@@ -71,7 +81,9 @@ fn limit(found: &Found) -> String {
 }
 
 fn robustness(map: &RobustnessMap) -> String {
-    let mut text = "Largest impulse survived [Ns/kg]; 0° is forward, 90° up".to_owned();
+    let mut text = "Largest impulse survived [Ns/kg], and the largest force on a contact point of\n  \
+                    what was survived [kN]; 0° is forward, 90° up"
+        .to_owned();
     if let Some(stride) = map.stride {
         text += &format!("\n  stride of {:.3} s from {:.3} s on", stride.period_s, stride.start_s);
     }
@@ -79,7 +91,7 @@ fn robustness(map: &RobustnessMap) -> String {
     columns.dedup();
     let name = |phase: &Option<f64>| phase.map_or("standing".to_owned(), |phase| format!("phase {}", shorter(phase)));
     text += &format!("\n  {:>9}", "");
-    columns.iter().for_each(|phase| text += &format!("{:>11}", name(phase)));
+    columns.iter().for_each(|phase| text += &format!("{:>12}", name(phase)));
     let mut directions: Vec<f64> = map.cells.iter().map(|cell| cell.direction_deg).collect();
     directions.sort_by(f64::total_cmp);
     directions.dedup();
@@ -87,8 +99,10 @@ fn robustness(map: &RobustnessMap) -> String {
         let mut line = format!("\n  {:>8}°", shorter(direction));
         for phase in &columns {
             let cell = map.cells.iter().find(|cell| cell.phase == *phase && cell.direction_deg == direction);
-            let shown = |found: &Found| limit(found) + star(found.violations.as_ref());
-            line += &format!("{:>11}", cell.map_or(String::new(), |cell| shown(&cell.found)));
+            let shown = |found: &Found| {
+                format!("{}{} {:>4}", limit(found), star(found.violations.as_ref()), kilonewtons(found.force_n))
+            };
+            line += &format!("{:>12}", cell.map_or(String::new(), |cell| shown(&cell.found)));
         }
         text += line.trim_end();
     }

@@ -39,7 +39,8 @@ fn the_same_answers_on_any_number_of_threads_with_every_key() {
         (&false.into(), &Value::Null, &Value::Null)
     );
     let answers = report["limits"].as_array().expect("a list");
-    let found = ["value", "first_failure", "reason_beyond", "violations", "furthest_held", "rollouts", "tried"];
+    let found =
+        ["value", "first_failure", "reason_beyond", "violations", "force_n", "furthest_held", "rollouts", "tried"];
     assert_eq!(keys(&answers[0]), [&["scenario", "question", "unit"], &found[..]].concat());
     let of = |name: &str| answers.iter().filter(|answer| answer["scenario"] == name).count();
     assert_eq!((of("walk"), of("push")), (7, 5));

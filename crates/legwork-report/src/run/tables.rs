@@ -58,6 +58,7 @@ pub(super) fn comparison(run: &Run) -> Markup {
                 }
             }
         }
+        p.note { "Counted: " (run.scenario.metrics.counted()) "." }
     }
 }
 

@@ -56,12 +56,11 @@ impl Case {
 
     /// Its run with the `factors` at these `levels`.
     pub fn run_at(&self, factors: &[Factor], levels: &[f64]) -> Rollout {
-        let levels: Vec<Change> =
-            factors.iter().zip(levels).map(|(factor, level)| factor.change(&Level::Number(*level))).collect();
-        let tuned =
-            factors.iter().zip(&levels).flat_map(|(factor, level)| factor.paths.iter().map(move |p| (p, level)));
-        let own = self.changes.iter().map(|(path, change)| (path, change));
-        match self.base.vary(own.chain(tuned).map(|(path, change)| (path.as_str(), change))) {
+        let levels: Vec<Level> = levels.iter().map(|&level| Level::Number(level)).collect();
+        let tuned: Vec<(&str, Change)> =
+            factors.iter().zip(&levels).flat_map(|(factor, level)| factor.changes(level)).collect();
+        let own = self.changes.iter().map(|(path, change)| (path.as_str(), change));
+        match self.base.vary(own.chain(tuned.iter().map(|(path, change)| (*path, change)))) {
             Ok(variant) => run(&variant),
             Err(error) => Rollout::invalid(error.to_string()),
         }

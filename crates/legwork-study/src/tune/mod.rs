@@ -298,8 +298,8 @@ impl Tuning {
     fn fragment(&self, family: &Family, levels: &[f64]) -> String {
         let mut tables: BTreeMap<&str, Vec<(&str, f64)>> = BTreeMap::new();
         for (factor, &level) in self.factors.iter().zip(levels) {
-            for path in &factor.paths {
-                let value = match factor.change(&Level::Number(level)) {
+            for (path, change) in factor.changes(&Level::Number(level)) {
+                let value = match change {
                     Change::Times(times) => {
                         times * family.base.value(path).ok().and_then(|v| v.as_float()).unwrap_or(0.0)
                     }

@@ -7,8 +7,10 @@ use crate::case::{Case, Experiment, Gains, Reading};
 use crate::curve::{Curve, falls_at_all, stands_at_all};
 use crate::evidence::Evidence;
 use crate::sweep::{FEET, Sweep, Tried, definition, figure};
-use crate::terms::{Check, LITTLE, MET, POOR, UNCHANGED, VISIBLE};
-use crate::trial::{HARD_FEET_WITH, REPLAN, STACKED_GAINS, STACKED_WEIGHTS, TrialResult, hard_feet, stacked};
+use crate::terms::{Check, DIMINISHED, LITTLE, MET, POOR, UNCHANGED, VISIBLE};
+use crate::trial::{
+    HARD_FEET_WITH, REPLAN, STACKED_GAINS, STACKED_WEIGHTS, START_OF_STEP, TrialResult, hard_feet, stacked,
+};
 use crate::words::{digits, list, percent, with_unit};
 use legwork::episode::Run;
 use legwork::metrics::Figure;
@@ -26,8 +28,6 @@ pub(super) struct Asked<'a> {
 /// Answers with one check or some.
 pub(super) type Judge = fn(&Asked) -> Vec<Check>;
 
-/// How far into a step its start reaches, as a share of the step time.
-const START_OF_STEP: f64 = 0.1;
 /// The studies of the parameters that the final design leaves as they are.
 const KEPT: [&str; 5] = ["grf-limit", "acceleration-weight", "momentum-weight", "torso-weight", "com-gain"];
 
@@ -52,8 +52,6 @@ const JUDGES: &[(&str, Judge)] = &[
     ("sinks much", |a| a.curves(|curve| curve.moves(-1.0, LITTLE))),
     ("grows", |a| a.curves(|curve| curve.moves(1.0, UNCHANGED))),
     ("poor", |a| a.curves(Curve::is_poor)),
-    // A fall alone says nothing of its mechanism: the levels where the robot stands decide.
-    ("poor where it stands", |a| a.curves(|curve| curve.clone().standing().is_poor())),
     ("falls", |a| vec![falls_at_all(a.sweep(), a.part.from, a.part.to)]),
     ("stands", |a| vec![stands_at_all(a.sweep(), a.part.from, a.part.to)]),
     ("falls at the lowest level", |a| vec![falls_at(a.sweep(), a.sweep().levels.first())]),
@@ -63,6 +61,17 @@ const JUDGES: &[(&str, Judge)] = &[
     ("limit is reached", |a| {
         let (largest, unit) = a.limit(0);
         vec![Check::new(largest >= a.part.published, format!("at least {}", with_unit(largest, unit)))]
+    }),
+    ("is less in that run", |a| a.figures(|figure| differs(a, figure, -VISIBLE))),
+    ("is much less in that run", |a| a.figures(|figure| differs(a, figure, -LITTLE))),
+    ("is more in that run", |a| a.figures(|figure| differs(a, figure, VISIBLE))),
+    ("is much more in that run", |a| a.figures(|figure| differs(a, figure, LITTLE))),
+    ("stands in that run", |a| vec![ending_is(a, true)]),
+    ("falls in that run", |a| vec![ending_is(a, false)]),
+    ("all programs have a solution", |a| {
+        let program = &a.result().program;
+        let finding = format!("{} of {} programs have no solution", program.infeasible, program.ticks);
+        vec![a.check(program.infeasible == 0 && program.ticks > 0, finding)]
     }),
     ("is less than the baseline's", |a| a.figures(|figure| gain(a, figure)).concat()),
     ("is no less than the baseline's", |a| a.figures(|figure| no_gain(a, figure))),
@@ -87,7 +96,7 @@ const JUDGES: &[(&str, Judge)] = &[
     ("follows", |a| {
         let run = a.run();
         let error = run.metrics.com_error_m.map_or(f64::INFINITY, |error| error.mean);
-        let follows = run.reason.is_none() && error < run.scenario.metrics.recovered_within_m;
+        let follows = run.reason.is_none() && error < run.scenario.metrics.followed_within_m;
         vec![a.check(follows, format!("mean CoM error {}", with_unit(error, "m")))]
     }),
     ("recovers", |a| {
@@ -104,6 +113,7 @@ const JUDGES: &[(&str, Judge)] = &[
     ("most pairs fall together", |a| vec![most_pairs_fall(a)]),
     ("levels are near their best", |a| vec![a.check_of(levels_are_near_their_best(a))]),
     ("hard feet fail at the start of a step", |a| vec![a.check_of(hard_feet_fail(a))]),
+    ("hard feet cost the momentum at the start of a step", |a| vec![a.check_of(hard_feet_cost(a))]),
     ("hard feet fall", |a| vec![a.check_of(hard_feet_fall(a))]),
     ("soft feet work", |a| {
         let (soft, hard) = (&a.trial(&[]).program, &a.trial(&hard_feet(HARD_FEET_WITH[0])).program);
@@ -114,9 +124,8 @@ const JUDGES: &[(&str, Judge)] = &[
         vec![a.check(soft.infeasible == 0 && hard.infeasible > 0, finding)]
     }),
     ("re-planning shortens the recovery", |a| {
-        let case = Case::new(a.reading, a.experiment, Gains::Final);
-        let [off, on] =
-            [&[][..], &[REPLAN.to_owned()]].map(|sets| a.evidence.trial(case, sets).standing("recovery_distance_m"));
+        let [off, on] = [&[][..], &[REPLAN.to_owned()]]
+            .map(|sets| a.evidence.trial(a.case(), sets).standing("recovery_distance_m"));
         let words = |value: Option<f64>| value.map_or("a fall".to_owned(), |value| with_unit(value, "m"));
         let holds = off.zip(on).is_some_and(|(off, on)| on < off);
         vec![Check::new(holds, format!("{} with re-planning, {} without", words(on), words(off)))]
@@ -135,6 +144,15 @@ impl<'a> Asked<'a> {
     /// The final design's run.
     pub(super) fn run(&self) -> &'a Run {
         self.evidence.final_run(self.reading, self.experiment)
+    }
+
+    fn case(&self) -> Case {
+        Case::new(self.reading, self.experiment, Gains::Final)
+    }
+
+    /// The run that the part names.
+    fn result(&self) -> &'a TrialResult {
+        self.evidence.result(&self.part.trial(self.case()))
     }
 
     fn sweep(&self) -> &'a Sweep {
@@ -204,6 +222,22 @@ fn change(a: &Asked, figure: &Figure) -> Option<(f64, String)> {
     Some((new / old, words))
 }
 
+/// How the run that the part names ends.
+fn ending_is(a: &Asked, stands: bool) -> Check {
+    let result = a.result();
+    let ending = result.rollout.reason.as_deref().unwrap_or("stands");
+    Check::new(result.stands() == stands, format!("{}: {ending}", result.trial.command()))
+}
+
+/// A figure of the run that the part names, by at least `share` of the final design's above it, or below it for a negative one.
+fn differs(a: &Asked, figure: &Figure, share: f64) -> Check {
+    let (own, other) = (figure.of(&a.run().metrics), a.result().standing(&figure.name));
+    let words = |value: Option<f64>| value.map_or("none".to_owned(), |value| with_unit(value, figure.unit));
+    let finding = format!("{} {} instead of {}", figure.label, words(other), words(own));
+    let holds = |(own, other): (f64, f64)| (other / own - 1.0 - share) * share.signum() >= 0.0;
+    a.check(own.zip(other).is_some_and(holds), finding)
+}
+
 /// What the final design gained over the baseline, as a share of the baseline's figure.
 fn gain(a: &Asked, figure: &Figure) -> Vec<Check> {
     if a.evidence.baseline_run(a.reading, a.experiment).reason.is_some() || a.run().reason.is_some() {
@@ -250,14 +284,19 @@ fn poor_before_falls(a: &Asked) -> (bool, String) {
     (poor == errors.len(), finding)
 }
 
+/// Over the same way on both sides: over a longer one above, any gain that ever ends would do.
 fn slows(a: &Asked) -> (bool, String) {
     let at = |level: f64| a.sweep().at(level).and_then(|tried| tried.figure(FEET));
-    let (Some(low), Some(knee), Some(high)) = (at(200.0), at(220.0), at(500.0)) else {
-        return (false, "falls at 200, 220 or 500 Nm".to_owned());
+    let (Some(low), Some(knee), Some(high)) = (at(200.0), at(220.0), at(240.0)) else {
+        return (false, "falls at 200, 220 or 240 Nm".to_owned());
     };
-    let (below, above) = ((low - knee) / 20.0, (knee - high) / 280.0);
-    let finding = format!("sinks by {} m/Nm up to 220 Nm, by {} m/Nm above", digits(below), digits(above));
-    (below > 0.0 && above < 0.5 * below, finding)
+    let (below, above) = (low - knee, knee - high);
+    let finding = format!(
+        "sinks by {} from 200 to 220 Nm, by {} from 220 to 240 Nm",
+        with_unit(below, "m"),
+        with_unit(above, "m")
+    );
+    (below > 0.0 && above < DIMINISHED * below, finding)
 }
 
 fn momentum_rate_is_limited(a: &Asked) -> Check {
@@ -324,6 +363,18 @@ fn hard_feet_fail(a: &Asked) -> (bool, String) {
         program.conflict.join(", ")
     );
     (since.is_some_and(|since| since <= START_OF_STEP * step), finding)
+}
+
+fn hard_feet_cost(a: &Asked) -> (bool, String) {
+    let missed = |sets: &[String]| a.trial(sets).program.missed_at_start_n;
+    let (Some(soft), Some(hard)) = (missed(&[]), missed(&hard_feet(HARD_FEET_WITH[0]))) else {
+        return (false, "no steps".to_owned());
+    };
+    let [soft_n, hard_n] = [soft, hard].map(|missed| with_unit(missed, "N"));
+    let finding = format!(
+        "linear momentum rate missed at the start of steps {hard_n} with hard feet, {soft_n} with them in the cost"
+    );
+    (hard >= POOR * soft, finding)
 }
 
 fn hard_feet_fall(a: &Asked) -> (bool, String) {

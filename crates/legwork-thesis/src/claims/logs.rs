@@ -13,11 +13,16 @@ use legwork::metrics::com_error;
 const STEADY_FROM_S: f64 = 2.0;
 /// The part of a swing that is the top of its arc, as shares of the step time.
 const TOP: RangeInclusive<f64> = 1.0 / 3.0..=2.0 / 3.0;
+/// Change of a foot's acceleration from a tick to the next from which on its reference is not smooth [m/s²]: gravity.
+const ROUGH: f64 = 9.81;
 /// How near to its limit a torque is at it, as a share.
 const AT_LIMIT: f64 = 0.999;
 
 pub(super) const LOG_JUDGES: &[(&str, Judge)] = &[
     ("steps follow the XcoM", |a| vec![steps_follow_the_xcom(a)]),
+    ("the XcoM does not stay outside", |a| vec![xcom_does_not_stay_outside(a)]),
+    ("one foot carries in single support", |a| vec![one_foot_carries(a)]),
+    ("references jump", |a| vec![references_jump(a)]),
     ("reference rests", |a| {
         let log = &a.run().log;
         let reference = |index: usize| log.get(index, Field::ComReference)[0];
@@ -47,19 +52,72 @@ fn triggers(log: &Log) -> impl Iterator<Item = usize> + '_ {
     })
 }
 
+/// How far a place is ahead of both feet and behind both [m].
+fn outside(run: &Run, index: usize, x: f64) -> [f64; 2] {
+    let feet = run.log.get(index, Field::Feet);
+    let (right, left) = (feet[0], feet[run.model.linear_axes().len()]);
+    [x - right.max(left), right.min(left) - x]
+}
+
 fn steps_follow_the_xcom(a: &Asked) -> Check {
     let run = a.run();
-    let dimension = run.model.linear_axes().len();
-    let outside = |index: usize, x: f64| {
-        let feet = run.log.get(index, Field::Feet);
-        (x > feet[0] && x > feet[dimension]) || (x < feet[0] && x < feet[dimension])
-    };
     let steps: Vec<usize> = triggers(&run.log).collect();
-    let count = |field| steps.iter().filter(|&&i| outside(i, run.log.get(i, field)[0])).count();
+    let is_outside =
+        |index: usize, field| outside(run, index, run.log.get(index, field)[0]).iter().any(|&out| out > 0.0);
+    let count = |field| steps.iter().filter(|&&index| is_outside(index, field)).count();
     let (xcom, com) = (count(Field::Xcom), count(Field::Com));
     let finding =
         format!("of {} steps {xcom} begin with the XcoM outside, {com} with the CoM itself outside", steps.len());
     a.check(!steps.is_empty() && xcom == steps.len(), finding)
+}
+
+/// The other direction: in double support the XcoM gets no further out than the delay lets it, on the side that the reference moves to.
+fn xcom_does_not_stay_outside(a: &Asked) -> Check {
+    let (log, step, dimension) = (&a.run().log, &a.run().scenario.reference.step, a.run().model.linear_axes().len());
+    let double = |&index: &usize| log.get(index, Field::Swing)[0] < 0.0;
+    let beyond = |index: usize| {
+        let speed = log.get(index, Field::ComReference)[dimension];
+        let delay = (step.delay_s * speed.abs()).min(step.max_delay_m);
+        let [ahead, behind] = outside(a.run(), index, log.get(index, Field::Xcom)[0]);
+        (ahead - if speed > 0.0 { delay } else { 0.0 }).max(behind - if speed < 0.0 { delay } else { 0.0 })
+    };
+    let furthest = (0..log.len()).filter(double).map(beyond).fold(f64::NEG_INFINITY, f64::max);
+    let side = if furthest > 0.0 { "beyond" } else { "before" };
+    let finding =
+        format!("in double support the XcoM gets to {} {side} where a step begins", with_unit(furthest.abs(), "m"));
+    a.check(furthest <= 0.0, finding)
+}
+
+fn one_foot_carries(a: &Asked) -> Check {
+    let (run, dimension) = (a.run(), a.run().model.linear_axes().len());
+    let swing = |&index: &usize| run.log.get(index, Field::Swing)[0] >= 0.0;
+    let carries = |&index: &usize| {
+        let up = |foot: usize| run.log.get(index, Field::Grf)[(foot + 1) * dimension - 1];
+        up(run.log.get(index, Field::Swing)[0] as usize) > 0.0
+    };
+    let ticks: Vec<usize> = (0..run.log.len()).filter(swing).collect();
+    let both = ticks.iter().filter(|index| carries(index)).count();
+    let finding = format!("in {both} of {} ticks of single support the program has force on both feet", ticks.len());
+    a.check(!ticks.is_empty() && both == 0, finding)
+}
+
+fn references_jump(a: &Asked) -> Check {
+    let (run, dimension) = (a.run(), a.run().model.linear_axes().len());
+    let accelerations = |index: usize| {
+        let reference = run.log.get(index, Field::FeetReference);
+        [2, 5].map(|block| reference[block * dimension])
+    };
+    let jump = |index: usize| {
+        let (now, before) = (accelerations(index), accelerations(index - 1));
+        now.iter().zip(before).map(|(now, before)| (now - before).abs()).fold(0.0, f64::max)
+    };
+    let largest = (1..run.log.len()).map(jump).fold(0.0, f64::max);
+    let finding = format!(
+        "the acceleration asked of a foot jumps by up to {}, and {} programs have no solution",
+        with_unit(largest, "m/s²"),
+        run.program.infeasible
+    );
+    a.check(largest > ROUGH && run.program.infeasible == 0, finding)
 }
 
 fn start_is_corrected(run: &Run, published: f64) -> Check {

@@ -8,9 +8,10 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-use super::case::{Experiment, Reading};
+use super::case::{Case, Experiment, Gains, Reading};
 use super::evidence::Evidence;
 use super::terms::Check;
+use super::trial::Trial;
 use judge::{Asked, judge};
 
 /// Whether a claim is reproduced.
@@ -155,6 +156,10 @@ struct Part {
     #[serde(default)]
     of: Vec<String>,
     only: Option<Experiment>,
+    /// Another run than the final design's: a scenario, or the final design's own where none is named, with these settings.
+    scenario: Option<String>,
+    #[serde(default)]
+    with: Vec<String>,
     /// What the thesis publishes, and how far from it is still met.
     #[serde(default)]
     published: f64,
@@ -168,6 +173,29 @@ fn unbounded() -> f64 {
 
 static CLAIMS: LazyLock<Claims> =
     LazyLock::new(|| toml::from_str(include_str!("claims.toml")).expect("the file of claims is ours"));
+
+impl Part {
+    /// The run that it is about.
+    fn trial(&self, case: Case) -> Trial {
+        let own = Trial::of_case(case, self.with.clone());
+        self.scenario.clone().map_or_else(|| own.clone(), |scenario| Trial { scenario, sets: self.with.clone() })
+    }
+}
+
+/// The runs that claims need beside those of the thesis, each once.
+pub(super) fn trials() -> Vec<Trial> {
+    let mut trials = Vec::new();
+    for part in CLAIMS.claims.values().flat_map(|test| &test.parts) {
+        let asked = Experiment::ALL.into_iter().filter(|&experiment| part.only.is_none_or(|o| o == experiment));
+        for (experiment, reading) in asked.flat_map(|e| Reading::ALL.map(|r| (e, r))) {
+            let trial = part.trial(Case::new(reading, experiment, Gains::Final));
+            if (part.scenario.is_some() || !part.with.is_empty()) && !trials.contains(&trial) {
+                trials.push(trial);
+            }
+        }
+    }
+    trials
+}
 
 impl Test {
     fn checks(&'static self, evidence: &Evidence, reading: Reading) -> Vec<Check> {
@@ -216,8 +244,8 @@ mod unit_tests {
     #[test]
     fn every_section_has_its_claims_and_every_part_its_judge() {
         let sections: BTreeSet<_> = CLAIMS.claims.keys().map(|id| id.rsplit_once('-').expect("a letter").0).collect();
-        let wanted =
-            "6.1 6.3.1 6.3.2 6.3.3 6.3.4 6.3.5 6.3.6 6.3.7 6.3.8 6.4 7.1 7.1.1 7.1.2 7.1.3 7.1.4 7.1.5 7.2.1 7.4 8.1.2";
+        let wanted = "6.1 6.3.1 6.3.2 6.3.3 6.3.4 6.3.5 6.3.6 6.3.7 6.3.8 6.4 7.1 7.1.1 7.1.2 7.1.3 7.1.4 7.1.5 7.2.1 7.2.2 7.4 \
+             7.5 8.1.1 8.1.2 8.2";
         assert_eq!(sections, wanted.split(' ').collect());
         let used: BTreeSet<&str> =
             CLAIMS.claims.values().flat_map(|test| &test.parts).map(|part| part.is.as_str()).collect();
@@ -226,6 +254,15 @@ mod unit_tests {
             let known = |reading: &String| reading == "both" || Reading::ALL.iter().any(|r| r.name() == reading);
             assert!(!test.parts.is_empty() && test.why.keys().all(known), "{id}");
             assert!(test.parts.iter().all(|part| part.over.is_empty() || STUDIES.iter().any(|s| s.0 == part.over)));
+        }
+    }
+
+    #[test]
+    fn an_explanation_names_what_shows_it_or_is_called_a_conjecture() {
+        let shows = ["(limits: ", "(sweep", "(question ", "(runs: ", "(tables: ", "(logs: ", "As 6", "As 7", "docs/"];
+        for (id, why) in CLAIMS.claims.iter().flat_map(|(id, test)| test.why.values().map(move |why| (id, why))) {
+            let shown = why == "falls" || shows.iter().any(|name| why.contains(name));
+            assert!(shown || why.contains("Conjecture: "), "{id}: {why}");
         }
     }
 

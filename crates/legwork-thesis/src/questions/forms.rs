@@ -48,7 +48,7 @@ pub(crate) fn time_forms(case: Case, stop: impl Fn() -> bool) -> Result<Option<F
     for _ in 0..TURNS {
         for (form, ticks) in ticks.iter_mut().enumerate() {
             let sets = if form == 1 { vec![SLACK.to_owned()] } else { Vec::new() };
-            let run = Trial { scenario: case.scenario(), sets }.run(&stop)?;
+            let run = Trial::of_case(case, sets).run(&stop)?;
             if stop() {
                 return Ok(None);
             }

@@ -181,7 +181,8 @@ mod tests {
         };
         // From rest a quintic goes a t² / 5.7735 far, here in the shortest swing.
         let foot = walker.landing(&moment, 0.2, 1.1);
-        assert!((foot.length - (80.0 * 0.04 / 5.7735 - 0.5)).abs() < 1e-4, "{foot:?}");
+        let swing = walker.settings.swing_acceleration_mps2;
+        assert!((foot.length - (swing * 0.04 / 5.7735 - 0.5)).abs() < 1e-4, "{foot:?}");
         // Later the leg ends it, before a centre of mass that the pendulum has carried on.
         let (late, leg) = (0.4, walker.landing(&moment, 0.4, 5.0));
         let growth = libm::exp(3.2 * late);

@@ -212,7 +212,7 @@ fn misstep(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Ev
         return None;
     }
     let landings = steps.iter().map(|(stretch, foot)| (stretch.ticks.end, *foot));
-    let landings = landings.filter(|&(landed, foot)| landed < end && evidence.touching(landed, foot));
+    let landings = landings.filter(|&(landed, foot)| landed < evidence.log.len() && evidence.touching(landed, foot));
     // The walker takes the ground to be where it stands; the step machine, where it was told.
     let lower = |landed: usize, foot: usize| match &evidence.steps {
         Steps::Machine(_) if evidence.scenario.ground.known => evidence.lower(landed, foot),
@@ -220,6 +220,8 @@ fn misstep(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Ev
     };
     let (landed, foot, lower) = landings
         .map(|(landed, foot)| (landed, foot, lower(landed, foot)))
+        // A foot that hangs above ground that is lower lets the XcoM run away before it lands.
+        .filter(|&(landed, _, lower)| landed < end || lower > 0.0)
         .max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
     let name = evidence.foot_name(foot);
     let event = Event { time: evidence.time(landed), what: What::Misstepped { foot: name.clone(), lower } };

@@ -139,8 +139,19 @@ pub struct MetricsSettings {
     pub com_error_from_s: f64,
     /// Recovered means: the CoM error stays below this [m].
     pub recovered_within_m: f64,
+    /// Followed means: the mean CoM error of a walk, while it is steady, is at most this [m].
+    pub followed_within_m: f64,
     /// Force on a contact point above which it injures [N].
     pub injurious_force_n: f64,
+}
+
+impl MetricsSettings {
+    /// From when on means and peaks are taken, and whether the start is among them.
+    pub fn counted(&self) -> String {
+        let start = if self.from_s > 0.0 { "without the start" } else { "the start included" };
+        let com = self.from_s.max(self.com_error_from_s);
+        format!("means and peaks from {} s on, {start}; CoM and XcoM errors from {com} s on", self.from_s)
+    }
 }
 
 impl Scenario {
@@ -237,6 +248,7 @@ impl Default for Scenario {
                 from_s: 0.0,
                 com_error_from_s: 0.4,
                 recovered_within_m: 0.05,
+                followed_within_m: 0.05,
                 injurious_force_n: 5400.0,
             },
             pushes: Vec::new(),

@@ -318,7 +318,7 @@ pub const SETTINGS: &[Setting] = &[
         "m",
         [0.0, 2.0],
         OURS,
-        "How much lower the centre of mass is uphill, for a steepness of 1.",
+        "How much lower the centre of mass is uphill, or by half downhill where the ground's height is not known, for a steepness of 1.",
     ),
     number(
         "reference.walker.unseen_com_height_m",
@@ -931,6 +931,13 @@ pub const SETTINGS: &[Setting] = &[
         [1e-4, 10.0],
         OURS,
         "CoM error below which a pushed robot has recovered, if it stays so.",
+    ),
+    number(
+        "metrics.followed_within_m",
+        "m",
+        [1e-4, 10.0],
+        OURS,
+        "Mean CoM error up to which a steady walk counts as following its reference.",
     ),
     number(
         "metrics.injurious_force_n",

@@ -15,7 +15,9 @@ const SETTLING_RATE: f64 = 1.0;
 /// How fast it goes on down where it has lost the ground again [m/s].
 const SINKING: f64 = 0.2;
 /// A heel is up where its foot is turned by more than this [rad].
-const HEEL_UP_RAD: f64 = 0.015;
+const HEEL_UP_RAD: f64 = 0.005;
+/// How fast a heel comes down about its toe at the end [rad/s].
+const HEEL_DOWN_RADPS: f64 = 0.4;
 
 /// A foot that rolls over its toe.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,11 +101,19 @@ impl Walker {
     }
 
     /// A standing foot whose heel is up turns down about its toe; were its middle held at the same time, the toe would be
-    /// pressed into the ground.
+    /// pressed into the ground. It brakes evenly where its heel would strike: the leg above it is straight in a step backward, and
+    /// stops with it.
     pub(super) fn set_down(&mut self, foot: usize, observation: &Observation) {
-        if observation.pitch[foot][0] - self.placed[foot].pitch < -HEEL_UP_RAD {
-            self.footing[foot] = Footing::Lands;
-            self.feet[foot].point.position = self.placed[foot].point(self.sole.toe);
+        let [pitch, rate] = observation.pitch[foot];
+        let left = self.placed[foot].pitch - pitch;
+        if left <= HEEL_UP_RAD {
+            return;
+        }
+        self.footing[foot] = Footing::Lands;
+        self.feet[foot].point.position = self.placed[foot].point(self.sole.toe);
+        if rate > HEEL_DOWN_RADPS {
+            let braking = (rate * rate - HEEL_DOWN_RADPS * HEEL_DOWN_RADPS) / (2.0 * left);
+            self.feet[foot].turn = TurnReference::pitch(pitch, rate, -braking);
         }
     }
 

@@ -5,8 +5,8 @@ use super::{Adaptation, Observation, Walker};
 
 /// A foot's place is settled that long before it is above it [s].
 const HELD_S: f64 = 0.02;
-/// A step's time is settled that long before the foot lands [s].
-const SETTLED_S: f64 = 0.05;
+/// A step's time is settled that long before the foot lands [s]: it comes down with no more speed than planned.
+const SETTLED_S: f64 = 0.08;
 /// The most that a step's time changes [s/s].
 const TIME_RATE: f64 = 2.0;
 /// Reach is reckoned for at least that long [s].

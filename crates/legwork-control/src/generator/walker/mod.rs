@@ -30,6 +30,8 @@ use legwork_contract::terrain::{Line, Terrain};
 use plan::{CopPlan, StepPlan};
 pub use swing::Motion;
 
+/// What of the lowering on climbs is due downhill, where the ground is not seen.
+const UNSEEN_DOWNHILL: f64 = 0.5;
 /// Slower than this is standing [m/s].
 const STANDING: f64 = 0.02;
 /// Feet that are closer than this stand together [m].
@@ -202,8 +204,10 @@ impl Walker {
         let [duration, height, bob, lowest, heel_off] = self.settings.scheduled(self.speed);
         let before = self.grade;
         self.follow_the_ground(stance);
-        // Uphill the rear leg would come to its end.
-        let height = height - self.settings.climb_lowering_m * (self.grade.steepness * self.speed.signum()).max(0.0);
+        // Uphill the rear leg would come to its end. On ground that is not seen it is lower already; downhill the leg that lands would.
+        let uphill = self.grade.steepness * self.speed.signum();
+        let steep = if self.ground_known { uphill } else { -UNSEEN_DOWNHILL * uphill };
+        let height = height - self.settings.climb_lowering_m * steep.max(0.0);
         self.height = [self.height[1] + before.at(self.com) - self.grade.at(self.com), height];
         self.omega = xcom::eigenfrequency(self.gravity, height);
         let settings = &self.settings;
