@@ -1,6 +1,6 @@
 //! The runs beside the sweeps: variants of the eight cases, for the claims and the open questions.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::case::{Case, Gains};
 use super::claims;
@@ -15,13 +15,11 @@ use legwork_study::rollout::simulate;
 use legwork_study::{Base, Variant};
 
 /// A scenario with settings as `--set` takes them.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Trial {
     /// The built-in scenario.
     pub scenario: String,
     /// Its settings, as `controller.limits.torque_nm=500`.
-    #[serde(default)]
     pub sets: Vec<String>,
 }
 

@@ -64,7 +64,7 @@ fn slopes_that_nothing_tells_are_walked_at_the_commanded_speed() {
         let more = [&set_speed, "ground.unevenness_m=0.01", "seed=1", "metrics.from_s=4", &ground[0], &ground[1]];
         let run = common::run("feet-walk", &more);
         assert_eq!(run.outcome, Outcome::Completed, "{speed} m/s, {ground:?}: {:?}", run.reason);
-        assert!(run.metrics.mean_speed_mps > 0.9 * speed, "{}", run.metrics.mean_speed_mps);
+        assert!(run.metrics.mean_speed_mps > 0.93 * speed, "{}", run.metrics.mean_speed_mps);
     }
 }
 

@@ -175,10 +175,16 @@ static CLAIMS: LazyLock<Claims> =
     LazyLock::new(|| toml::from_str(include_str!("claims.toml")).expect("the file of claims is ours"));
 
 impl Part {
+    /// The experiments that it is asked of.
+    fn experiments(&self) -> impl Iterator<Item = Experiment> {
+        let only = self.only;
+        Experiment::ALL.into_iter().filter(move |&experiment| only.is_none_or(|only| only == experiment))
+    }
+
     /// The run that it is about.
     fn trial(&self, case: Case) -> Trial {
-        let own = Trial::of_case(case, self.with.clone());
-        self.scenario.clone().map_or_else(|| own.clone(), |scenario| Trial { scenario, sets: self.with.clone() })
+        let scenario = self.scenario.clone().unwrap_or_else(|| case.scenario().to_owned());
+        Trial { scenario, sets: self.with.clone() }
     }
 }
 
@@ -186,8 +192,7 @@ impl Part {
 pub(super) fn trials() -> Vec<Trial> {
     let mut trials = Vec::new();
     for part in CLAIMS.claims.values().flat_map(|test| &test.parts) {
-        let asked = Experiment::ALL.into_iter().filter(|&experiment| part.only.is_none_or(|o| o == experiment));
-        for (experiment, reading) in asked.flat_map(|e| Reading::ALL.map(|r| (e, r))) {
+        for (experiment, reading) in part.experiments().flat_map(|e| Reading::ALL.map(|r| (e, r))) {
             let trial = part.trial(Case::new(reading, experiment, Gains::Final));
             if (part.scenario.is_some() || !part.with.is_empty()) && !trials.contains(&trial) {
                 trials.push(trial);
@@ -200,8 +205,8 @@ pub(super) fn trials() -> Vec<Trial> {
 impl Test {
     fn checks(&'static self, evidence: &Evidence, reading: Reading) -> Vec<Check> {
         let of = |part: &'static Part| {
-            let asked = Experiment::ALL.into_iter().filter(|&experiment| part.only.is_none_or(|o| o == experiment));
-            asked.flat_map(move |experiment| judge(&part.is)(&Asked { part, evidence, reading, experiment }))
+            part.experiments()
+                .flat_map(move |experiment| judge(&part.is)(&Asked { part, evidence, reading, experiment }))
         };
         self.parts.iter().flat_map(of).collect()
     }
