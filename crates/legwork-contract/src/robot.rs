@@ -176,6 +176,6 @@ impl Robot {
         let before = self.bodies[body].parent.map_or(0.0, |parent| self.turn(parent, dynamics, q));
         let Joint::Revolute(Revolute { axis }) = &self.bodies[body].joint else { return before };
         let about_y = (dynamics.world_from_body[body].rotation * axis.as_ref()).y.signum();
-        before - about_y * q[self.bodies[body].q_index]
+        before - about_y * self.bodies[body].position(q)
     }
 }

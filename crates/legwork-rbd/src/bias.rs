@@ -2,7 +2,7 @@
 
 use crate::dynamics::Dynamics;
 use crate::model::Model;
-use crate::spatial::Force;
+use crate::spatial::{Force, Inertia, Motion};
 
 impl Dynamics {
     /// The force that each body alone needs to move as it does at q̈ = 0: f_i = I_i A_i + V_i ×* I_i V_i. Featherstone
@@ -13,7 +13,7 @@ impl Dynamics {
         for ((force, inertia), (velocity, acceleration)) in
             self.force.iter_mut().zip(&self.inertia).zip(self.velocity.iter().zip(&self.acceleration))
         {
-            if inertia.mass == 0.0 {
+            if inertia.is_zero() {
                 *force = Force::zero();
                 continue;
             }
@@ -34,12 +34,16 @@ impl Dynamics {
 
     /// G from the accumulated inertias.
     pub(crate) fn gravity(&mut self, model: &Model) {
-        for (j, dof) in model.dofs.iter().enumerate() {
-            let s = &self.subspace[j];
-            let subtree = &self.composite[dof.body];
+        let force = |s: &Motion, subtree: &Inertia| {
             // Bearing the weight of what j carries, m g upward at its centre of mass: S_j · (m c × g ẑ, m g ẑ)
             let c = &subtree.first_moment;
-            self.gravity[j] = model.gravity * (subtree.mass * s.linear.z + s.angular.x * c.y - s.angular.y * c.x);
+            model.gravity * (subtree.mass * s.linear.z + s.angular.x * c.y - s.angular.y * c.x)
+        };
+        for (j, dof) in model.dofs.iter().enumerate() {
+            self.gravity[j] = force(&self.subspace[j], &self.composite[dof.body]);
+        }
+        for (follower, s) in self.tree.followers(&self.subspace) {
+            self.gravity[follower.coordinate] += follower.ratio * force(s, &self.composite[follower.body]);
         }
     }
 
@@ -48,6 +52,10 @@ impl Dynamics {
         for (j, dof) in model.dofs.iter().enumerate() {
             self.bias[j] = self.subspace[j].dot(&self.force[dof.body]) + self.gravity[j];
             self.damping[j] = dof.damping * v[j];
+        }
+        for (follower, s) in self.tree.followers(&self.subspace) {
+            // Its weight is in that of the joint that it follows.
+            self.bias[follower.coordinate] += follower.ratio * s.dot(&self.force[follower.body]);
         }
         self.stop_dampers(model, v);
     }

@@ -23,6 +23,16 @@ impl Dynamics {
             J.copy_from_slice(&model.linear_components(&(momentum.linear / mass))[..linear]);
         }
 
+        for (follower, momentum) in self.tree.followers(&self.subspace_momentum) {
+            let (turn, push) = (momentum.angular_about(&com) * follower.ratio, momentum.linear * follower.ratio);
+            let mut A = self.momentum_matrix.column_mut(follower.coordinate);
+            let rows = model.angular_components(&turn).into_iter().take(angular);
+            let rows = rows.chain(model.linear_components(&push).into_iter().take(linear));
+            A.iter_mut().zip(rows).for_each(|(entry, value)| *entry += value);
+            let J = self.com_jacobian.column_mut(follower.coordinate);
+            J.into_iter().zip(model.linear_components(&(push / mass))).for_each(|(entry, value)| *entry += value);
+        }
+
         // Ȧ v: the rate of momentum at q̈ = 0 is the force on the whole robot. The shift to the moving CoM adds −ċ × m ċ = 0.
         let force = &self.force[0];
         let bias = self.momentum_bias.as_mut_slice();

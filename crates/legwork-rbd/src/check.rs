@@ -6,45 +6,45 @@ use std::collections::{BinaryHeap, HashMap, HashSet};
 use nalgebra::Matrix3;
 
 use crate::base::Base;
-use crate::description::{BodyDescription, Description, JointDescription};
+use crate::description::{BodyDescription, Description, Inertias, JointDescription};
 use crate::dynamics::Dynamics;
-use crate::error::ModelError;
+use crate::error::{ModelError, Problems};
+use crate::forward_dynamics::ForwardDynamics;
 use crate::model::{Dof, Model};
 use crate::spatial::Placement;
 use crate::words;
 
 impl Description {
-    pub(crate) fn check_names(&self) -> Result<(), ModelError> {
+    pub(crate) fn check_names(&self, problems: &mut Problems) {
         if self.bodies.is_empty() {
-            return Err(self.invalid(None, "bodies", "none; a robot has at least one body with mass"));
+            problems.add(self.invalid(None, "bodies", "none; a robot has at least one body with mass"));
         }
         let reserved = self.base.coordinates();
         let virtual_bodies = reserved.len().saturating_sub(1);
         let (mut names, mut joint_names) = (HashSet::new(), HashSet::new());
         for body in &self.bodies {
             let (subject, joint) = (format!("body {:?}", body.name), &body.joint);
+            let mut tell = |line, subject: &str, problem: &str| problems.add(self.invalid(line, subject, problem));
             if body.name.trim().is_empty() {
-                return Err(self.invalid(body.line, "a body's name", "is empty"));
+                tell(body.line, "a body's name", "is empty");
+            } else if !names.insert(&body.name) {
+                tell(body.line, &subject, "the name is given twice; body names must differ");
+            } else if self.base == Base::Planar && reserved[..virtual_bodies].contains(&body.name) {
+                tell(body.line, &subject, "the name belongs to the planar base's virtual bodies");
             }
-            if body.parent.is_some() && joint.name.trim().is_empty() {
-                return Err(self.invalid(joint.line.or(body.line), subject, "the name of its joint is empty"));
+            if body.parent.is_none() {
+                continue;
             }
-            if !names.insert(&body.name) {
-                return Err(self.invalid(body.line, subject, "the name is given twice; body names must differ"));
-            }
-            if body.parent.is_some() && !joint_names.insert(&joint.name) {
-                let problem = "the name is given twice; joint names must differ";
-                return Err(self.invalid(joint.line, format!("joint {:?}", joint.name), problem));
-            }
-            if reserved.contains(&joint.name) && body.parent.is_some() {
+            let named = format!("joint {:?}", joint.name);
+            if joint.name.trim().is_empty() {
+                tell(joint.line.or(body.line), &subject, "the name of its joint is empty");
+            } else if !joint_names.insert(&joint.name) {
+                tell(joint.line, &named, "the name is given twice; joint names must differ");
+            } else if reserved.contains(&joint.name) {
                 let problem = format!("the name belongs to the base's own coordinates ({})", reserved.join(", "));
-                return Err(self.invalid(joint.line, format!("joint {:?}", joint.name), problem));
-            }
-            if self.base == Base::Planar && reserved[..virtual_bodies].contains(&body.name) {
-                return Err(self.invalid(body.line, subject, "the name belongs to the planar base's virtual bodies"));
+                tell(joint.line, &named, &problem);
             }
         }
-        Ok(())
     }
 
     /// What can be said of one body and its joint alone. Numbers are known to be finite.
@@ -53,24 +53,31 @@ impl Description {
         if body.mass < 0.0 {
             return Err(self.invalid(body.line, subject, format!("mass {} kg is negative", body.mass)));
         }
-        if body.mass == 0.0 && body.inertia != Matrix3::zeros() {
-            return Err(self.invalid(body.line, subject, "inertia without mass; give the mass as well, or neither"));
-        }
-        let largest = body.inertia.abs().max();
-        if largest > 0.0 && !is_semi_definite(&(body.inertia / largest), 1e-9) {
-            let problem = format!(
-                "the inertia about the centre of mass is not positive definite (diagonal {}, {}, {} kg m²)",
-                body.inertia[(0, 0)],
-                body.inertia[(1, 1)],
-                body.inertia[(2, 2)]
-            );
-            return Err(self.invalid(body.line, subject, problem));
-        }
-        // 1 % and 1e-6 kg m² leave room for files with few digits
-        if triangle_violation(&body.inertia, 0.01 * body.inertia.trace() + 1e-6) {
-            return Err(self.invalid(body.line, subject, TRIANGLE));
-        }
         self.check_joint(body)
+    }
+
+    /// Says of each inertia that no body has by how much, and repairs it where that is asked for.
+    pub(crate) fn mend_inertias(&mut self) {
+        for body in &mut self.bodies {
+            let inertia = body.inertia;
+            let odd = if body.mass == 0.0 && inertia != Matrix3::zeros() {
+                "has an inertia but no mass".to_owned()
+            } else if let Some(violation) = violation(&inertia).filter(|violation| violation.is_more_than_rounding()) {
+                violation.to_string()
+            } else {
+                continue;
+            };
+            let done = match self.inertias {
+                Inertias::Kept => {
+                    "it is kept as it is (inertias = \"repaired\" changes it to the nearest that a body can have)"
+                }
+                Inertias::Repaired => {
+                    body.inertia = if body.mass == 0.0 { Matrix3::zeros() } else { nearest(&inertia) };
+                    "it is changed to the nearest that a body can have"
+                }
+            };
+            self.warnings.push(format!("body {:?}: {odd}; {done}", body.name));
+        }
     }
 
     fn check_joint(&self, body: &BodyDescription) -> Result<(), ModelError> {
@@ -140,7 +147,12 @@ impl Description {
                 Err(self.invalid(self.joint_line(&body.name), format!("joint {:?}", body.joint_name), problem))
             };
             let (s, composite) = (&dynamics.subspace[j], &dynamics.composite[dof.body]);
-            let inertia = s.dot(&composite.momentum(s));
+            let mut inertia = s.dot(&composite.momentum(s));
+            for (follower, s) in dynamics.tree.followers(&dynamics.subspace).filter(|(other, _)| other.coordinate == j)
+            {
+                let ratio = follower.ratio;
+                inertia += ratio * ratio * s.dot(&dynamics.composite[follower.body].momentum(s));
+            }
             if !(inertia > 0.0 && inertia.is_finite()) {
                 let problem = if !inertia.is_finite() {
                     "moves more than numbers can hold; a mass or a length beyond it is too large".to_owned()
@@ -160,6 +172,38 @@ impl Description {
             }
             if !dof.rotational && s.linear.y.abs() > 1e-4 {
                 return invalid(leaves_plane("perpendicular to y"));
+            }
+        }
+        self.check_inertias(model)
+    }
+
+    /// Whether inertias that no body has leave the robot a positive definite mass matrix, at zero and at other positions.
+    fn check_inertias(&self, model: &Model) -> Result<(), ModelError> {
+        let odd = |body: &&BodyDescription| {
+            violation(&body.inertia).is_some() || body.mass == 0.0 && body.inertia != Matrix3::zeros()
+        };
+        let Some(first) = self.bodies.iter().find(odd) else { return Ok(()) };
+        let (mut dynamics, mut forward) = (Dynamics::new(model), ForwardDynamics::new(model));
+        let (none, mut vdot) = (vec![0.0; model.nv()], vec![0.0; model.nv()]);
+        let rho = vec![0.0; model.linear_axes().len() * model.nc()];
+        for pose in 0..20 {
+            let mut q = model.neutral();
+            for (k, dof) in model.dofs.iter().enumerate().filter(|(_, dof)| model.bodies[dof.body].joint.nv() == 1) {
+                // Evenly over the range, each coordinate in its own order.
+                let share = (f64::from(pose) * libm::sqrt((2 * k + 3) as f64)).fract();
+                let [lower, upper] = dof.usual_range().unwrap_or([-1.0, 1.0]);
+                if pose > 0 {
+                    q[model.bodies[dof.body].q_index] = lower + share * (upper - lower);
+                }
+            }
+            dynamics.update(model, q.as_slice(), &none);
+            if !forward.solve(model, &dynamics, &none, &rho, &mut vdot) {
+                let names = words::list(self.bodies.iter().filter(odd).map(|body| &body.name));
+                let problem = format!(
+                    "with inertias that no body has (of {names}) the mass matrix is not positive definite, so that accelerations have \
+                     no meaning; correct them, or set inertias = \"repaired\""
+                );
+                return Err(self.invalid(first.line, format!("body {:?}", first.name), problem));
             }
         }
         Ok(())
@@ -216,9 +260,6 @@ pub(crate) fn oddities(model: &Model) -> Vec<String> {
         if body.mass > 0.0 && body.inertia == Matrix3::zeros() {
             odd.push(format!("body {:?} has mass but no inertia: a point mass", body.name));
         }
-        if triangle_violation(&body.inertia, 1e-9 * body.inertia.trace()) {
-            odd.push(format!("body {:?}: {TRIANGLE}, slightly", body.name));
-        }
     }
     for dof in &model.dofs {
         if dof.lower >= dof.upper {
@@ -249,28 +290,64 @@ fn leaves_plane(direction: &str) -> String {
     format!("its axis is not {direction}, so the robot leaves the plane; use base = \"floating\", or fix the joint")
 }
 
-const TRIANGLE: &str = "no body has this inertia: a principal moment is larger than the sum of the other two";
-
-/// Whether a principal moment exceeds the sum of the other two by more than `slack` [kg m²].
-///
-/// With the second moments of mass Σ = ½ tr(I) 1 − I this is λ_min(Σ) < −slack/2 (Wensing, Kim, Slotine 2018).
-fn triangle_violation(inertia: &Matrix3<f64>, slack: f64) -> bool {
-    let trace = inertia.trace();
-    if trace <= 0.0 {
-        return false;
-    }
-    let second_moments = Matrix3::identity() * 0.5 - inertia / trace;
-    !is_semi_definite(&second_moments, 0.5 * slack / trace)
+/// In which way no body has an inertia.
+#[derive(Clone, Copy)]
+enum Violation {
+    /// A principal moment is negative: the largest moment, and the least.
+    Negative { largest: f64, least: f64 },
+    /// A principal moment is larger than the sum of the other two: that moment, and the sum.
+    Triangle { largest: f64, others: f64 },
 }
 
-/// Whether a symmetric matrix of order one has no eigenvalue below −`tolerance`: all principal minors, Sylvester.
-fn is_semi_definite(matrix: &Matrix3<f64>, tolerance: f64) -> bool {
-    let m = matrix + Matrix3::identity() * tolerance;
-    let minor = |i: usize, j: usize| m[(i, i)] * m[(j, j)] - m[(i, j)] * m[(j, i)];
-    let rounding = -1e-15;
-    (0..3).all(|i| m[(i, i)] >= rounding)
-        && minor(0, 1) >= rounding
-        && minor(0, 2) >= rounding
-        && minor(1, 2) >= rounding
-        && m.determinant() >= rounding
+impl Violation {
+    /// Whether it is more than the last digits of a file leave.
+    fn is_more_than_rounding(self) -> bool {
+        match self {
+            Self::Negative { .. } => true,
+            Self::Triangle { largest, others } => largest - others > 1e-9 * (largest + others),
+        }
+    }
+}
+
+impl std::fmt::Display for Violation {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Negative { largest, least } => write!(
+                f,
+                "no body has this inertia: a principal moment is {least:.3e} kg m², beside one of {largest:.3e}"
+            ),
+            Self::Triangle { largest, others } => write!(
+                f,
+                "no body has this inertia: a principal moment of {largest:.3e} kg m² is larger than the sum of the other two, {others:.3e}"
+            ),
+        }
+    }
+}
+
+/// The way in which no body has `inertia` [kg m²], if there is one.
+fn violation(inertia: &Matrix3<f64>) -> Option<Violation> {
+    if *inertia == Matrix3::zeros() {
+        return None;
+    }
+    let moments = inertia.symmetric_eigenvalues();
+    let (largest, least) = (moments.max(), moments.min());
+    let others = moments.sum() - largest;
+    // The eigenvalues' own rounding
+    if least < -1e-14 * largest.abs().max(-least) {
+        Some(Violation::Negative { largest, least })
+    } else if largest - others > 1e-14 * largest {
+        Some(Violation::Triangle { largest, others })
+    } else {
+        None
+    }
+}
+
+/// The inertia that a body can have which is nearest to `inertia`: the second moments of mass Σ = ½ tr(I) 1 − I have no negative
+/// eigenvalue (Wensing, Kim, Slotine 2018), and I = tr(Σ) 1 − Σ.
+fn nearest(inertia: &Matrix3<f64>) -> Matrix3<f64> {
+    let mut eigen = (Matrix3::identity() * (0.5 * inertia.trace()) - inertia).symmetric_eigen();
+    eigen.eigenvalues.iter_mut().for_each(|moment| *moment = moment.max(0.0));
+    let moments = eigen.recompose();
+    let repaired = Matrix3::identity() * moments.trace() - moments;
+    (repaired + repaired.transpose()) * 0.5
 }

@@ -1,10 +1,11 @@
 //! The description that a file gives of a robot, and its way to a checked [`Model`].
 
 use nalgebra::{Matrix3, Vector3};
+use serde::Deserialize;
 
 use crate::base::Base;
 use crate::check::oddities;
-use crate::error::ModelError;
+use crate::error::{ModelError, Problems};
 use crate::joints::Joint;
 use crate::model::{Dof, Model};
 use crate::roles::Roles;
@@ -23,8 +24,21 @@ pub(crate) struct Description {
     pub(crate) contacts: Vec<ContactDescription>,
     pub(crate) frames: Vec<FrameDescription>,
     pub(crate) warnings: Vec<String>,
+    /// What becomes of inertias that no body has.
+    pub(crate) inertias: Inertias,
     /// Those of the contact points are not in it yet. Its file is the one that contacts and frames come from.
     pub(crate) roles: Roles,
+}
+
+/// What becomes of inertias that no body has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Inertias {
+    /// They stay as the file has them.
+    #[default]
+    Kept,
+    /// The nearest that a body can have takes their place.
+    Repaired,
 }
 
 pub(crate) struct BodyDescription {
@@ -43,7 +57,17 @@ pub(crate) struct JointDescription {
     pub(crate) placement: Placement,
     /// Limits, damping and motor of its coordinate.
     pub(crate) dof: Dof,
+    /// The joint that it follows.
+    pub(crate) follows: Option<Leader>,
     pub(crate) line: Option<usize>,
+}
+
+/// The joint that another one follows: by that ratio, and so far from it where it is at zero.
+#[derive(Clone)]
+pub(crate) struct Leader {
+    pub(crate) joint: String,
+    pub(crate) ratio: f64,
+    pub(crate) offset: f64,
 }
 
 pub(crate) struct ContactDescription {
@@ -82,21 +106,26 @@ impl Description {
 
     /// Checks everything and assembles the model.
     pub(crate) fn build(mut self) -> Result<(Model, Roles), ModelError> {
+        let mut problems = Problems::default();
         if !(self.gravity.is_finite() && self.gravity >= 0.0) {
             let problem = format!("{}; it must be finite and not negative (9.81 on Earth)", self.gravity);
-            return Err(self.invalid_beside(None, "gravity_mps2", problem));
+            problems.add(self.invalid_beside(None, "gravity_mps2", problem));
         }
-        self.check_names()?;
+        self.check_names(&mut problems);
         for body in &self.bodies {
-            self.check_body(body)?;
+            problems.keep(self.check_body(body));
         }
+        self.mend_inertias();
         self.drop_zero_velocity_limits();
-        let order = self.order()?;
+        let order = problems.keep(self.order());
+        problems.none(&self.file)?;
+        let order = order.expect("no problem was found with it");
         let places = self.places(&order);
-        let mut model = self.assemble(&order, &places);
-        self.check_motion(&model)?;
-        self.add_contacts(&mut model, &places)?;
-        self.add_frames(&mut model, &places)?;
+        let mut model = self.assemble(&order, &places)?;
+        problems.keep(self.check_motion(&model));
+        self.add_contacts(&mut model, &places, &mut problems);
+        self.add_frames(&mut model, &places, &mut problems);
+        problems.none(&self.file)?;
         let mut warnings = std::mem::take(&mut self.warnings);
         warnings.extend(oddities(&model));
         model.warnings = warnings.iter().map(|warning| one_line(warning, PROBLEM)).collect();
@@ -124,8 +153,13 @@ impl Description {
 }
 
 impl JointDescription {
+    /// Whether it has a single coordinate, of its own.
+    pub(crate) fn has_a_coordinate(&self) -> bool {
+        self.kind.nv() == 1 && self.follows.is_none()
+    }
+
     /// A joint without limits, damping or motor.
     pub(crate) fn new(name: String, kind: Joint, placement: Placement) -> Self {
-        Self { name, kind, placement, dof: Dof::free(), line: None }
+        Self { name, kind, placement, dof: Dof::free(), follows: None, line: None }
     }
 }

@@ -4,9 +4,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::model::Model;
 use crate::spatial::{Force, Inertia, Motion, Placement};
-
-/// The end of a chain of velocity coordinates.
-pub(crate) const NONE: usize = usize::MAX;
+use crate::tree::Tree;
 
 /// Every dynamic quantity of one state (q, v), and all scratch. Valid after [`Dynamics::update`].
 ///
@@ -71,10 +69,8 @@ pub struct Dynamics {
     pub(crate) is_elastic: bool,
     /// The elastic force of each coordinate's stop.
     pub(crate) stop_force: Vec<f64>,
-    /// For each velocity coordinate the next one toward the base.
-    pub(crate) parent_dof: Vec<usize>,
-    /// For each body the outermost velocity coordinate that moves it.
-    pub(crate) last_dof: Vec<usize>,
+    /// What carries what.
+    pub(crate) tree: Tree,
 }
 
 impl Dynamics {
@@ -89,7 +85,8 @@ impl Dynamics {
     pub(crate) fn without_mass_matrix(model: &Model) -> Self {
         let (nv, nc, nb) = (model.nv(), model.nc(), model.bodies.len());
         let (d, angular) = (model.linear_axes().len(), model.angular_axes().len());
-        let (parent_dof, last_dof) = chains(model);
+        let tree = Tree::of(model);
+        let columns = tree.parent.len();
         Self {
             mass_matrix: DMatrix::zeros(0, 0),
             bias: DVector::zeros(nv),
@@ -114,16 +111,15 @@ impl Dynamics {
             relative: vec![Placement::identity(); nb],
             velocity: vec![Motion::zero(); nb],
             acceleration: vec![Motion::zero(); nb],
-            subspace: vec![Motion::zero(); nv],
-            subspace_momentum: vec![Force::zero(); nv],
+            subspace: vec![Motion::zero(); columns],
+            subspace_momentum: vec![Force::zero(); columns],
             inertia: vec![Inertia::zero(); nb],
             composite: vec![Inertia::zero(); nb],
             force: vec![Force::zero(); nb],
             momentum: Force::zero(),
             is_elastic: false,
             stop_force: vec![0.0; nv],
-            parent_dof,
-            last_dof,
+            tree,
         }
     }
 
@@ -147,7 +143,7 @@ impl Dynamics {
     pub fn update_position(&mut self, model: &Model, q: &[f64]) {
         assert_eq!(q.len(), model.nq(), "length of q");
         assert_eq!(
-            (self.subspace.len(), self.force.len(), self.contact_positions.len()),
+            (self.bias.len(), self.force.len(), self.contact_positions.len()),
             (model.nv(), model.bodies.len(), model.nc()),
             "this Dynamics was made for another model"
         );
@@ -182,9 +178,7 @@ impl Dynamics {
     /// `out` (nv). Of the latest position.
     pub fn add_point_force(&self, body: usize, world_point: &Vector3<f64>, force: &Vector3<f64>, out: &mut [f64]) {
         let at = world_point - self.reference;
-        for j in self.carriers(body) {
-            out[j] += self.subspace[j].linear_at(&at).dot(force);
-        }
+        self.tree.columns(&self.subspace, body, |j, s| out[j] += s.linear_at(&at).dot(force));
     }
 
     /// The generalised force of `force` [N] on the centre of mass, added to `out` (nv). Of the latest position.
@@ -192,6 +186,9 @@ impl Dynamics {
         let mass = self.composite[0].mass;
         for (value, momentum) in out.iter_mut().zip(&self.subspace_momentum) {
             *value += momentum.linear.dot(force) / mass;
+        }
+        for (follower, momentum) in self.tree.followers(&self.subspace_momentum) {
+            out[follower.coordinate] += follower.ratio * momentum.linear.dot(force) / mass;
         }
     }
 
@@ -210,29 +207,10 @@ impl Dynamics {
             let first = d * k;
             self.contact_bias.as_mut_slice()[first..first + d].copy_from_slice(&model.linear_components(&bias)[..d]);
             let J = self.contact_jacobian.as_mut_slice();
-            let mut j = self.last_dof[contact.body];
-            while j != NONE {
-                let column = model.linear_components(&self.subspace[j].linear_at(&at));
-                for (entry, value) in J[j * rows + first..j * rows + first + d].iter_mut().zip(column) {
-                    *entry = value;
-                }
-                j = self.parent_dof[j];
-            }
+            self.tree.columns(&self.subspace, contact.body, |j, s| {
+                let column = model.linear_components(&s.linear_at(&at));
+                J[j * rows + first..][..d].copy_from_slice(&column[..d]);
+            });
         }
     }
-}
-
-/// Featherstone 2008, Section 6.6: the tree of velocity coordinates, with several to a joint.
-fn chains(model: &Model) -> (Vec<usize>, Vec<usize>) {
-    let mut parent_dof = vec![NONE; model.nv()];
-    let mut last_dof = vec![NONE; model.bodies.len()];
-    for (i, body) in model.bodies.iter().enumerate() {
-        let mut last = body.parent.map_or(NONE, |parent| last_dof[parent]);
-        for j in body.v_index..body.v_index + body.joint.nv() {
-            parent_dof[j] = last;
-            last = j;
-        }
-        last_dof[i] = last;
-    }
-    (parent_dof, last_dof)
 }

@@ -55,6 +55,57 @@ pub enum ModelError {
         /// What was found and what would be valid.
         problem: String,
     },
+    /// All that is wrong, two problems at least.
+    #[error("{}: {} problems:\n{}", one_line(.file, PLACE), .problems.len(), lines(.problems))]
+    Several {
+        /// The robot's file.
+        file: String,
+        /// In the order in which they were found.
+        problems: Vec<ModelError>,
+    },
+}
+
+/// Most problems that a message names.
+const NAMED: usize = 20;
+
+fn lines(problems: &[ModelError]) -> String {
+    let mut lines: Vec<String> = problems.iter().take(NAMED).map(|problem| format!("  {problem}")).collect();
+    if problems.len() > NAMED {
+        lines.push(format!("  and {} more", problems.len() - NAMED));
+    }
+    lines.join("\n")
+}
+
+/// What was found wrong so far, so that one message may name all of it.
+#[derive(Default)]
+pub(crate) struct Problems(Vec<ModelError>);
+
+impl Problems {
+    pub(crate) fn add(&mut self, problem: ModelError) {
+        match problem {
+            ModelError::Several { problems, .. } => self.0.extend(problems),
+            problem => self.0.push(problem),
+        }
+    }
+
+    pub(crate) fn extend(&mut self, others: Problems) {
+        self.0.extend(others.0);
+    }
+
+    /// The value, or none where it has a problem, which is added.
+    pub(crate) fn keep<T>(&mut self, read: Result<T, ModelError>) -> Option<T> {
+        read.map_err(|problem| self.add(problem)).ok()
+    }
+
+    /// # Errors
+    /// All that was added.
+    pub(crate) fn none(&mut self, file: &str) -> Result<(), ModelError> {
+        match self.0.len() {
+            0 => Ok(()),
+            1 => Err(self.0.remove(0)),
+            _ => Err(ModelError::Several { file: file.to_owned(), problems: std::mem::take(&mut self.0) }),
+        }
+    }
 }
 
 impl ModelError {

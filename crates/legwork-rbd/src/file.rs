@@ -4,6 +4,7 @@ use std::fs::{File, FileType};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
+use encoding_rs::{Encoding, UTF_8};
 use thiserror::Error;
 
 /// The most that a text may hold which says what is simulated [bytes].
@@ -59,6 +60,34 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>, Unread> {
 /// As [`read`], or it is no UTF-8.
 pub fn read_text(path: &Path, most: u64) -> Result<String, Unread> {
     text(read(path, most)?)
+}
+
+/// The text of an XML file, in the encoding that its byte order mark or its declaration tells.
+///
+/// # Errors
+/// As [`read`], or it is no text in that encoding.
+pub fn read_xml(path: &Path, most: u64) -> Result<String, Unread> {
+    let bytes = read(path, most)?;
+    let marked = Encoding::for_bom(&bytes).map(|(encoding, _)| encoding);
+    match marked.or_else(|| declared(&bytes)).filter(|encoding| *encoding != UTF_8) {
+        None => text(bytes),
+        Some(encoding) => match encoding.decode(&bytes) {
+            (text, _, false) => Ok(text.into_owned()),
+            (.., true) => {
+                Err(Unread::NoText(format!("found bytes that {} has not, which it declares", encoding.name())))
+            }
+        },
+    }
+}
+
+/// The encoding that an XML declaration names.
+fn declared(bytes: &[u8]) -> Option<&'static Encoding> {
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(1000)]);
+    let declaration = &head[head.find("<?xml")?..];
+    let declaration = &declaration[..declaration.find("?>")?];
+    let value = declaration.split_once("encoding")?.1.trim_start().strip_prefix('=')?.trim_start();
+    let quote = value.chars().next().filter(|quote| ['"', '\''].contains(quote))?;
+    Encoding::for_label(value[1..].split(quote).next()?.as_bytes())
 }
 
 /// The text that the bytes are, without a byte order mark.

@@ -3,7 +3,7 @@
 //! In one frame for all bodies nothing is carried from body to body, and a joint of several coordinates is as many joints
 //! of one coordinate, one after the other.
 
-use nalgebra::Matrix3;
+use nalgebra::{DMatrix, Matrix3};
 
 use crate::dynamics::Dynamics;
 use crate::inverse_dynamics::take_contact_forces;
@@ -24,6 +24,8 @@ pub struct ForwardDynamics {
     inertia: Vec<f64>,
     /// u = τ − Sᵀ p^A.
     drive: Vec<f64>,
+    /// The factor of the mass matrix, where joints follow others.
+    factor: DMatrix<f64>,
 }
 
 impl ForwardDynamics {
@@ -38,6 +40,7 @@ impl ForwardDynamics {
             momentum: vec![Force::zero(); nv],
             inertia: vec![0.0; nv],
             drive: vec![0.0; nv],
+            factor: if bodies_follow(model) { DMatrix::zeros(nv, nv) } else { DMatrix::zeros(0, 0) },
         }
     }
 
@@ -46,7 +49,8 @@ impl ForwardDynamics {
     /// `M v̇ = tau + Jᵀ ρ − bias − damping − elastic`. Allocates nothing.
     ///
     /// Returns false where a coordinate moves no inertia, so that its acceleration is not determined; `vdot` then
-    /// has no meaning.
+    /// has no meaning. Where joints follow others, the mass matrix is factorised instead: the articulated bodies' tree has no such
+    /// couplings.
     ///
     /// # Panics
     /// If a slice has a wrong length, or if `self` was made for another model.
@@ -55,6 +59,9 @@ impl ForwardDynamics {
         assert_eq!((tau.len(), vdot.len()), (model.nv(), model.nv()), "lengths of tau, vdot");
         assert_eq!(self.force.len(), model.bodies.len(), "this ForwardDynamics was made for another model");
         take_contact_forces(model, dynamics, rho, &mut self.force);
+        if !self.factor.is_empty() {
+            return self.solve_coupled(model, dynamics, tau, vdot);
+        }
         for (articulated, inertia) in self.articulated.iter_mut().zip(&dynamics.inertia) {
             *articulated = ArticulatedInertia::of(inertia);
         }
@@ -84,6 +91,50 @@ impl ForwardDynamics {
                 acceleration.add_scaled(&dynamics.subspace[j], vdot[j]);
             }
             self.acceleration[i] = acceleration;
+        }
+        true
+    }
+}
+
+fn bodies_follow(model: &Model) -> bool {
+    model.bodies.iter().any(|body| body.follows.is_some())
+}
+
+impl ForwardDynamics {
+    /// `M v̇ = tau − passive − Sᵀ f`, by M = Lᵀ L. Featherstone 2008, Section 6.5.
+    fn solve_coupled(&mut self, model: &Model, dynamics: &Dynamics, tau: &[f64], vdot: &mut [f64]) -> bool {
+        for (i, body) in model.bodies.iter().enumerate().rev() {
+            if let Some(parent) = body.parent {
+                let force = self.force[i];
+                self.force[parent] += force;
+            }
+        }
+        for (j, dof) in model.dofs.iter().enumerate() {
+            vdot[j] = tau[j] - dynamics.passive(j) - dynamics.subspace[j].dot(&self.force[dof.body]);
+        }
+        for (follower, s) in dynamics.tree.followers(&dynamics.subspace) {
+            vdot[follower.coordinate] -= follower.ratio * s.dot(&self.force[follower.body]);
+        }
+        let L = &mut self.factor;
+        L.copy_from(&dynamics.mass_matrix);
+        for k in (0..vdot.len()).rev() {
+            let pivot = L[(k, k)];
+            if pivot.is_nan() || pivot <= 0.0 {
+                return false;
+            }
+            let root = libm::sqrt(pivot);
+            (0..=k).for_each(|j| L[(k, j)] /= root);
+            for i in 0..k {
+                for j in 0..=i {
+                    L[(i, j)] -= L[(k, i)] * L[(k, j)];
+                }
+            }
+            vdot[k] /= root;
+            (0..k).for_each(|j| vdot[j] -= L[(k, j)] * vdot[k]);
+        }
+        for k in 0..vdot.len() {
+            let carried: f64 = (0..k).map(|j| L[(k, j)] * vdot[j]).sum();
+            vdot[k] = (vdot[k] - carried) / L[(k, k)];
         }
         true
     }

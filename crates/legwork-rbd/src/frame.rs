@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use crate::dynamics::{Dynamics, NONE};
+use crate::dynamics::Dynamics;
 use crate::model::Model;
 use crate::spatial::{Motion, Placement};
 
@@ -65,21 +65,13 @@ impl Dynamics {
         assert_eq!(out.shape(), (angular.len() + linear.len(), model.nv()), "shape of the frame's Jacobian");
         let at = self.relative[frame.body].point(&frame.placement.translation);
         out.fill(0.0);
-        for j in self.carriers(frame.body) {
-            let s = &self.subspace[j];
+        self.tree.columns(&self.subspace, frame.body, |j, s| {
             let column = s.linear_at(&at);
             let rows = angular.iter().map(|axis| axis.dot(&s.angular));
             for (r, value) in rows.chain(linear.iter().map(|axis| axis.dot(&column))).enumerate() {
                 out[(r, j)] = value;
             }
-        }
-    }
-
-    /// The velocity coordinates that move `body`, from the body toward the base.
-    #[inline]
-    pub(crate) fn carriers(&self, body: usize) -> impl Iterator<Item = usize> + '_ {
-        let known = |j: usize| (j != NONE).then_some(j);
-        std::iter::successors(known(self.last_dof[body]), move |&j| known(self.parent_dof[j]))
+        });
     }
 
     /// The Jacobian (d × nv) of a point that is fixed to `body` and now at `world_point` [m], written to `out`.
@@ -91,29 +83,12 @@ impl Dynamics {
         assert_eq!(out.shape(), (axes.len(), model.nv()), "shape of the point's Jacobian");
         let at = world_point - self.reference;
         out.fill(0.0);
-        for j in self.carriers(body) {
-            let column = self.subspace[j].linear_at(&at);
+        self.tree.columns(&self.subspace, body, |j, s| {
+            let column = s.linear_at(&at);
             for (r, axis) in axes.iter().enumerate() {
                 out[(r, j)] = axis.dot(&column);
             }
-        }
-    }
-
-    /// The velocity coordinates that move `body`, from the base outward.
-    #[must_use]
-    pub fn chain(&self, body: usize) -> Vec<usize> {
-        let mut chain: Vec<usize> = self.carriers(body).collect();
-        chain.reverse();
-        chain
-    }
-
-    /// How a point moves that is fixed to what coordinate `j` moves and now at `world_point` [m], at unit speed of `j`:
-    /// angular, and linear at the point. Of the latest position.
-    #[inline]
-    #[must_use]
-    pub fn unit_motion(&self, j: usize, world_point: &Vector3<f64>) -> Motion {
-        let s = &self.subspace[j];
-        Motion { angular: s.angular, linear: s.linear_at(&(world_point - self.reference)) }
+        });
     }
 
     /// The angular velocity of `body`, and the velocity of its point that is now at `world_point` [m].
@@ -147,11 +122,11 @@ impl Dynamics {
         let axes = model.angular_axes();
         assert_eq!(out.shape(), (axes.len(), model.nv()), "shape of the angular Jacobian");
         out.fill(0.0);
-        for j in self.carriers(body) {
+        self.tree.columns(&self.subspace, body, |j, s| {
             for (r, axis) in axes.iter().enumerate() {
-                out[(r, j)] = axis.dot(&self.subspace[j].angular);
+                out[(r, j)] = axis.dot(&s.angular);
             }
-        }
+        });
     }
 
     /// The angular acceleration [rad/s²] of a body at v̇ = 0, that is J̇ v of its angular velocity.

@@ -34,20 +34,24 @@ impl InverseDynamics {
         // What v̇ adds to the forces that `bias` holds already: they are linear in it.
         for (i, body) in model.bodies.iter().enumerate() {
             let mut acceleration = body.parent.map_or(Motion::zero(), |parent| self.acceleration[parent]);
-            for j in body.v_index..body.v_index + body.joint.nv() {
-                acceleration.add_scaled(&dynamics.subspace[j], vdot[j]);
+            let ratio = body.follows.map_or(1.0, |follows| follows.ratio);
+            for j in 0..body.joint.nv() {
+                acceleration.add_scaled(&dynamics.subspace[dynamics.tree.first[i] + j], ratio * vdot[body.v_index + j]);
             }
             self.acceleration[i] = acceleration;
             self.force[i] += dynamics.inertia[i].momentum(&acceleration);
         }
         for (i, body) in model.bodies.iter().enumerate().rev() {
-            for j in body.v_index..body.v_index + body.joint.nv() {
+            for j in body.v_index..body.v_index + body.nv() {
                 tau[j] = dynamics.subspace[j].dot(&self.force[i]) + dynamics.passive(j);
             }
             if let Some(parent) = body.parent {
                 let force = self.force[i];
                 self.force[parent] += force;
             }
+        }
+        for (follower, s) in dynamics.tree.followers(&dynamics.subspace) {
+            tau[follower.coordinate] += follower.ratio * s.dot(&self.force[follower.body]);
         }
     }
 }

@@ -7,7 +7,7 @@
 use nalgebra::Matrix3;
 
 use crate::dynamics::Dynamics;
-use crate::model::Model;
+use crate::model::{Follows, Model};
 use crate::spatial::{Motion, Placement};
 
 impl Dynamics {
@@ -25,7 +25,11 @@ impl Dynamics {
             let parallel = body.placement.rotation == Matrix3::identity();
             let rotation = if parallel { frame.rotation } else { frame.rotation * body.placement.rotation };
             let mut frame = Placement { rotation, translation: frame.point(&body.placement.translation) };
-            body.joint.pose(&q[body.q_index..], &mut frame, &mut self.subspace[body.v_index..]);
+            let subspace = &mut self.subspace[self.tree.first[i]..];
+            match body.follows {
+                None => body.joint.pose(&q[body.q_index..], &mut frame, subspace),
+                Some(_) => body.joint.pose(&[body.position(q)], &mut frame, subspace),
+            }
             self.relative[i] = frame;
             self.world_from_body[i] = Placement { rotation: frame.rotation, translation: origin + frame.translation };
         }
@@ -41,8 +45,14 @@ impl Dynamics {
                 Some(p) => (self.velocity[p], self.acceleration[p]),
                 None => (Motion::zero(), Motion::zero()),
             };
-            let (frame, subspace) = (&self.relative[i], &self.subspace[body.v_index..]);
-            body.joint.add_velocity(frame, subspace, &v[body.v_index..], &mut velocity, &mut acceleration);
+            let (frame, subspace) = (&self.relative[i], &self.subspace[self.tree.first[i]..]);
+            let v = &v[body.v_index..];
+            match body.follows {
+                None => body.joint.add_velocity(frame, subspace, v, &mut velocity, &mut acceleration),
+                Some(Follows { ratio, .. }) => {
+                    body.joint.add_velocity(frame, subspace, &[ratio * v[0]], &mut velocity, &mut acceleration);
+                }
+            }
             self.velocity[i] = velocity;
             self.acceleration[i] = acceleration;
         }

@@ -2,9 +2,10 @@
 
 use nalgebra::Matrix3;
 
-use crate::dynamics::{Dynamics, NONE};
+use crate::dynamics::Dynamics;
 use crate::model::Model;
 use crate::spatial::Inertia;
+use crate::tree::NONE;
 
 impl Dynamics {
     /// Each body's own inertia about the reference point, world axes, and their sums from the tips to the base:
@@ -12,7 +13,7 @@ impl Dynamics {
     pub(crate) fn inertias(&mut self, model: &Model) {
         for (i, body) in model.bodies.iter().enumerate() {
             let frame = &self.relative[i];
-            self.inertia[i] = if body.mass > 0.0 {
+            self.inertia[i] = if body.mass > 0.0 || body.inertia != Matrix3::zeros() {
                 let about_com = rotated(&body.inertia, &frame.rotation);
                 Inertia::new(body.mass, &frame.point(&body.com), &about_com)
             } else {
@@ -30,6 +31,9 @@ impl Dynamics {
 
     /// F_j = I^c S_j and M_ij = S_iᵀ F_j for i = j and all i that carry j; the rest of M stays zero.
     pub(crate) fn mass_matrix(&mut self, model: &Model) {
+        if self.tree.is_coupled() {
+            return self.coupled_mass_matrix(model);
+        }
         let nv = self.subspace.len();
         let M = self.mass_matrix.as_mut_slice();
         // The first joint carries everything: its rows are filled at once.
@@ -43,7 +47,7 @@ impl Dynamics {
             let mut i = j;
             while i != NONE && i >= base {
                 column[i] = self.subspace[i].dot(&momentum);
-                i = self.parent_dof[i];
+                i = self.tree.parent[i];
             }
         }
         // The other triangle. Where neither coordinate carries the other there is a zero to copy.

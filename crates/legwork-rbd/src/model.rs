@@ -30,6 +30,37 @@ pub struct Body {
     pub q_index: usize,
     /// Where the joint's velocities begin in v.
     pub v_index: usize,
+    /// The coupling to another joint, whose coordinates are then those that `q_index` and `v_index` name.
+    pub follows: Option<Follows>,
+}
+
+/// A mechanism by which a joint follows another one exactly: it has no coordinate of its own, and its position is
+/// `ratio` times that of the other one plus `offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Follows {
+    /// Its speed for unit speed of the other joint.
+    pub ratio: f64,
+    /// Its position where the other joint is at zero [rad or m].
+    pub offset: f64,
+}
+
+impl Body {
+    /// The number of velocity coordinates of its own: none for a joint that follows another one.
+    #[must_use]
+    pub fn nv(&self) -> usize {
+        if self.follows.is_some() { 0 } else { self.joint.nv() }
+    }
+
+    /// The position of a joint of one coordinate [rad or m], where `q` (nq) is that of the robot.
+    ///
+    /// # Panics
+    /// If `q` is shorter than the model's.
+    #[inline]
+    #[must_use]
+    pub fn position(&self, q: &[f64]) -> f64 {
+        let q = q[self.q_index];
+        self.follows.as_ref().map_or(q, |follows| follows.ratio * q + follows.offset)
+    }
 }
 
 /// A velocity coordinate: its name and limits, damper, spring and stops.
@@ -141,7 +172,8 @@ impl Model {
     /// The number of position coordinates: `nv`, and one more on a floating base.
     #[must_use]
     pub fn nq(&self) -> usize {
-        self.bodies.last().map_or(0, |body| body.q_index + body.joint.nq())
+        let last = self.bodies.iter().rev().find(|body| body.follows.is_none());
+        last.map_or(0, |body| body.q_index + body.joint.nq())
     }
 
     /// The number of velocity coordinates.
@@ -203,7 +235,7 @@ impl Model {
     #[must_use]
     pub fn neutral(&self) -> DVector<f64> {
         let mut q = DVector::zeros(self.nq());
-        for body in &self.bodies {
+        for body in self.bodies.iter().filter(|body| body.follows.is_none()) {
             body.joint.neutral(&mut q.as_mut_slice()[body.q_index..]);
         }
         q
@@ -218,7 +250,7 @@ impl Model {
     /// If a slice has a wrong length.
     pub fn integrate(&self, q: &[f64], v: &[f64], dt: f64, out: &mut [f64]) {
         assert_eq!((q.len(), v.len(), out.len()), (self.nq(), self.nv(), self.nq()), "lengths of q, v, out");
-        for body in &self.bodies {
+        for body in self.bodies.iter().filter(|body| body.follows.is_none()) {
             body.joint.integrate(&q[body.q_index..], &v[body.v_index..], dt, &mut out[body.q_index..]);
         }
     }
@@ -229,7 +261,7 @@ impl Model {
         let names = |body: &Body| {
             body.joint.kind().positions.iter().map(|suffix| format!("{}{suffix}", body.joint_name)).collect::<Vec<_>>()
         };
-        self.bodies.iter().flat_map(names).collect()
+        self.bodies.iter().filter(|body| body.follows.is_none()).flat_map(names).collect()
     }
 
     /// The names of the velocity coordinates (nv).

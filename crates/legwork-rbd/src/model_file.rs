@@ -5,6 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toml::Spanned;
 
 use crate::base::Base;
+use crate::description::Inertias;
 use crate::table::Table;
 
 /// [m/s²], when a file gives none.
@@ -20,6 +21,8 @@ pub(crate) struct ModelFile {
     /// Limits of the root link's angle in the plane.
     pub(crate) base_pitch: Option<Table>,
     pub(crate) feet: Option<Vec<String>>,
+    #[serde(default, skip_serializing)]
+    pub(crate) inertias: Inertias,
     pub(crate) bodies: Vec<Spanned<BodyEntry>>,
     #[serde(default)]
     pub(crate) contacts: Vec<Spanned<ContactEntry>>,

@@ -8,7 +8,7 @@ use serde::de::DeserializeOwned;
 use crate::base::Base;
 use crate::content::Content;
 use crate::error::ModelError;
-use crate::file::{self, Lines};
+use crate::file::{self, Lines, Unread};
 use crate::model::Model;
 use crate::read_toml::read_toml;
 use crate::roles::Roles;
@@ -43,7 +43,7 @@ impl Model {
         match extension.as_str() {
             "toml" => read_toml(&read_text(path)?, &file, base),
             "urdf" => {
-                let text = read_text(path)?;
+                let text = read_as(path, file::read_xml)?;
                 let beside = path.with_extension("legwork.toml");
                 let side_text = if beside.exists() { Some(read_text(&beside)?) } else { None };
                 let side_name = beside.display().to_string();
@@ -90,13 +90,19 @@ impl Model {
     /// and other shapes, transmissions and Gazebo's elements are not read, nor is what has the prefix of a namespace. A
     /// warning tells of all else that has no meaning, such as a misspelled key, and of Coulomb friction, which is ignored.
     ///
+    /// A joint that mimics another one is coupled to it exactly and has no coordinate of its own; `mimic = "free"` makes it a joint
+    /// as others are, `mimic = "locked"` a fixed one. A planar joint is two bodies without mass that slide and one that turns,
+    /// `JOINT_x`, `JOINT_y` and `JOINT`; a floating joint between a root link without mass and all the rest is the robot's base.
+    /// An inertia that no body has stays as it is, with a warning, as long as the mass matrix is positive definite;
+    /// `inertias = "repaired"` changes it to the nearest that a body can have.
+    ///
     /// Of limits, `effort="0"` is a joint that can give no torque, in TOML too. `velocity="0"`, which tools write where they
     /// know no limit, is none, and so are `lower` and `upper` that are both zero. A warning tells of each, and of one that is
     /// missing.
     ///
     /// # Errors
-    /// If a text is malformed or does not describe a possible robot: mimic joints, loops, several roots, floating or
-    /// planar joints within the tree. The message names the line, the link or joint, and the key.
+    /// If a text is malformed or does not describe a possible robot: loops, several roots, numbers that are none. The message names
+    /// all that was found, each with its line, link or joint, and key ([`ModelError::Several`]).
     pub fn from_urdf(
         text: &str,
         file_name: &str,
@@ -122,6 +128,11 @@ impl Model {
 
 /// A whole text file.
 fn read_text(path: &Path) -> Result<String, ModelError> {
+    read_as(path, file::read_text)
+}
+
+/// A whole text file, by the `reader` of its kind.
+fn read_as(path: &Path, reader: fn(&Path, u64) -> Result<String, Unread>) -> Result<String, ModelError> {
     let name = path.display().to_string();
     if path.is_dir() {
         let mut names: Vec<String> = std::fs::read_dir(path)
@@ -134,7 +145,7 @@ fn read_text(path: &Path) -> Result<String, ModelError> {
         let files = if names.is_empty() { String::new() } else { format!(": {}", list(names)) };
         return Err(ModelError::Folder { file: name, files });
     }
-    file::read_text(path, file::TEXT).map_err(|source| ModelError::Unread { file: name, source })
+    reader(path, file::TEXT).map_err(|source| ModelError::Unread { file: name, source })
 }
 
 /// A text with its name, for messages with a place.

@@ -5,8 +5,10 @@ use toml::Spanned;
 
 use crate::base::Base;
 use crate::content::Content;
-use crate::description::{BodyDescription, ContactDescription, Description, FrameDescription, JointDescription};
-use crate::error::ModelError;
+use crate::description::{
+    BodyDescription, ContactDescription, Description, FrameDescription, JointDescription, Leader,
+};
+use crate::error::{ModelError, Problems};
 use crate::joints::{Fixed, Form, Joint, Key, Kind, Revolute};
 use crate::model::{Dof, Model};
 use crate::model_file::{BodyEntry, ContactEntry, FrameEntry, GRAVITY, InertiaEntry, ModelFile};
@@ -25,11 +27,12 @@ pub(crate) fn read_toml(text: &str, file_name: &str, base: Option<Base>) -> Resu
         return Err(source.invalid(None, "base_pitch", problem));
     }
     let base = base.unwrap_or(file.base);
-    let mut bodies = Vec::with_capacity(file.bodies.len());
+    let (mut bodies, mut problems) = (Vec::with_capacity(file.bodies.len()), Problems::default());
     for entry in &file.bodies {
         let line = source.line(entry.span().start);
-        bodies.push(entry.get_ref().describe(&source, line, base)?);
+        bodies.extend(problems.keep(entry.get_ref().describe(&source, line, base)));
     }
+    problems.none(file_name)?;
     Description {
         file: file_name.to_owned(),
         name: file.name,
@@ -40,6 +43,7 @@ pub(crate) fn read_toml(text: &str, file_name: &str, base: Option<Base>) -> Resu
         contacts: contacts(&file.contacts, &source)?,
         frames: frames(&file.frames, &source)?,
         warnings: Vec::new(),
+        inertias: file.inertias,
         roles: Roles { file: file_name.to_owned(), torso: file.torso, feet: file.feet, ..Roles::default() },
     }
     .build()
@@ -157,8 +161,23 @@ fn joint(table: &Spanned<Table>, source: &Source) -> Result<JointDescription, Mo
     let (rpy, rows) = (table.take(source, keys[0])?, table.take(source, keys[1])?);
     let placement = Placement { rotation: rotation(keys, rpy, rows, source, line, &subject)?, translation };
     let mut joint = JointDescription::new(name.clone(), read(&axis)?, placement);
+    if let Some(leader) = table.take(source, "follows")? {
+        if kind.velocities.len() != 1 {
+            let problem =
+                format!("follows has no meaning for a {} joint; valid for revolute and prismatic ones", kind.name);
+            return Err(source.invalid(line, subject, problem));
+        }
+        let mut number = |key: &str, default: f64| {
+            let value = table.take(source, key)?.unwrap_or(default);
+            source.finite(line, &subject, key, value)
+        };
+        joint.follows = Some(Leader { joint: leader, ratio: number("ratio", 1.0)?, offset: number("offset", 0.0)? });
+        joint.line = line;
+        numbers(&mut table, kind, &[], &mut joint.dof, source, line, &subject)?;
+        return Ok(joint);
+    }
     let actuated = table.take(source, "actuated")?.unwrap_or(true);
-    joint.dof.actuated = actuated && joint.kind.nv() > 0;
+    joint.dof.actuated = actuated && joint.kind.nv() == 1;
     joint.line = line;
     numbers(&mut table, kind, kind.keys, &mut joint.dof, source, line, &subject)?;
     Ok(joint)

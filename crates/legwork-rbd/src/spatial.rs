@@ -119,6 +119,12 @@ impl Inertia {
         }
     }
 
+    /// Whether there is nothing that could move.
+    #[inline]
+    pub(crate) fn is_zero(&self) -> bool {
+        self.mass == 0.0 && self.rotational == Matrix3::zeros()
+    }
+
     /// From the mass, the centre of mass and the inertia about it (world axes). Featherstone 2008, (2.62).
     #[must_use]
     pub fn new(mass: f64, com: &Vector3<f64>, about_com: &Matrix3<f64>) -> Self {

@@ -2,21 +2,21 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Unit, Vector3};
 use serde::Deserialize;
 use toml::Spanned;
 
 use crate::base::Base;
 use crate::content::Content;
-use crate::description::{BodyDescription, Description, JointDescription};
-use crate::error::ModelError;
-use crate::joints::{Fixed, Joint, Kind};
+use crate::description::{BodyDescription, Description, Inertias, JointDescription};
+use crate::error::{ModelError, Problems};
+use crate::joints::{Fixed, Joint, Kind, Prismatic, Revolute};
 use crate::model::Model;
 use crate::model_file::{ContactEntry, FrameEntry, GRAVITY};
 use crate::read::{Source, unit_axis};
 use crate::read_toml::{contacts, frames, numbers, pitch_limits};
 use crate::roles::Roles;
-use crate::spatial::Placement;
+use crate::spatial::{Motion, Placement};
 use crate::table::Table;
 use crate::urdf_text::{self, Link, Robot};
 use crate::words;
@@ -33,12 +33,29 @@ struct SideFile {
     actuated: Option<Vec<String>>,
     passive: Option<Vec<String>>,
     #[serde(default)]
+    mimic: Mimic,
+    #[serde(default)]
+    inertias: Inertias,
+    #[serde(default)]
     contacts: Vec<Spanned<ContactEntry>>,
     #[serde(default)]
     frames: Vec<Spanned<FrameEntry>>,
     /// By the joint's name: the numbers that a joint may have in TOML, in place of those of the URDF.
     #[serde(default)]
     joints: BTreeMap<String, Spanned<Table>>,
+}
+
+/// What becomes of joints that mimic others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Mimic {
+    /// They follow exactly and have no coordinate of their own.
+    #[default]
+    Coupled,
+    /// They are fixed where they are as the other joint is at zero.
+    Locked,
+    /// They move as joints of their own.
+    Free,
 }
 
 pub(crate) fn read_urdf(
@@ -48,70 +65,170 @@ pub(crate) fn read_urdf(
     base: Option<Base>,
 ) -> Result<(Model, Roles), ModelError> {
     let source = Source::new(file_name, text);
-    let robot = Robot::read(text, &source)?;
+    let mut problems = Problems::default();
+    let robot = Robot::read(text, &source, &mut problems)?;
     let (side_text, side_name) = sidecar.unwrap_or(("", file_name));
     let side_source = Source::new(side_name, side_text);
     let side: SideFile = match sidecar {
         Some(_) => side_source.parse_toml(Content::SideFile, "base, torso, contacts, actuated or passive")?,
         None => SideFile::default(),
     };
-    let mut bodies = bodies(&robot, &source)?;
-    let moving = Moving::of(&bodies);
-    mark_actuated(&mut bodies, &moving, &side, &side_source)?;
-    set_numbers(&mut bodies, &moving, &side.joints, &side_source)?;
-    let mut warnings = robot.ignored;
-    // Each joint's child comes in the order of the joints, behind the root link.
-    let described = &bodies[robot.links.len() - robot.joints.len()..];
-    for (joint, body) in robot.joints.iter().zip(described).filter(|(_, body)| body.joint.kind.nv() > 0) {
-        warnings.extend(unmodelled(joint, &body.joint));
+    let wanted = base.or(side.base);
+    let mut tree = Tree { bodies: Vec::new(), warnings: robot.warnings.clone(), mimic: side.mimic, mimics: Vec::new() };
+    let floating = if wanted == Some(Base::Fixed) { None } else { carrier(&robot) };
+    tree.describe(&robot, floating, &source, &mut problems);
+    let moving = Moving::of(&tree.bodies);
+    problems.keep(mark_actuated(&mut tree.bodies, &moving, &side, &side_source));
+    set_numbers(&mut tree.bodies, &moving, &side.joints, &side_source, &mut problems);
+    for joint in &robot.joints {
+        let described = tree.bodies.iter().map(|body| &body.joint).find(|described| described.name == joint.name);
+        let described = described.filter(|described| described.kind.nv() == 1 && described.follows.is_none());
+        tree.warnings.extend(described.into_iter().flat_map(|described| unmodelled(joint, described)));
     }
-    let base = base.or(side.base).unwrap_or(Base::Floating);
-    Description {
+    tree.tell_of_mimics();
+    let base = wanted.unwrap_or(Base::Floating);
+    let pitch_limits = problems.keep(pitch_limits(side.base_pitch, base, &side_source));
+    let contacts = problems.keep(contacts(&side.contacts, &side_source));
+    let frames = problems.keep(frames(&side.frames, &side_source));
+    let description = Description {
         file: file_name.to_owned(),
         name: robot.name,
         base,
         gravity: side.gravity_mps2.unwrap_or(GRAVITY),
-        pitch_limits: pitch_limits(side.base_pitch, base, &side_source)?,
-        bodies,
-        contacts: contacts(&side.contacts, &side_source)?,
-        frames: frames(&side.frames, &side_source)?,
-        warnings,
+        pitch_limits: pitch_limits.unwrap_or_default(),
+        bodies: tree.bodies,
+        contacts: contacts.unwrap_or_default(),
+        frames: frames.unwrap_or_default(),
+        warnings: tree.warnings,
+        inertias: side.inertias,
         roles: Roles { file: side_name.to_owned(), torso: side.torso, feet: side.feet, ..Roles::default() },
-    }
-    .build()
+    };
+    problems.none(file_name)?;
+    description.build()
 }
 
-/// The root link, then the children in the order of the file's joints.
-fn bodies(robot: &Robot, source: &Source) -> Result<Vec<BodyDescription>, ModelError> {
-    let links = links(robot, source)?;
-    let carried = carried(robot, &links, source)?;
-    let mut bodies = Vec::with_capacity(robot.links.len());
-    for link in robot.links.iter().filter(|link| !carried.contains_key(link.name.as_str())) {
-        let joint = JointDescription::new("base".to_owned(), Joint::Fixed(Fixed), Placement::identity());
-        bodies.push(body(link, None, joint));
+/// The floating joint that joins a root link without mass to all the others: what tools write for a robot that is free in space.
+fn carrier(robot: &Robot) -> Option<&urdf_text::Joint> {
+    let is_child = |name: &str| robot.joints.iter().any(|joint| joint.child == name);
+    let root = robot.links.iter().find(|link| !is_child(&link.name))?;
+    let mut carried = robot.joints.iter().filter(|joint| joint.parent == root.name);
+    let joint = carried.next().filter(|joint| joint.kind == "floating" && root.inertial.is_none())?;
+    carried.next().is_none().then_some(joint)
+}
+
+/// The bodies of a robot's links, as they come to be known.
+struct Tree {
+    bodies: Vec<BodyDescription>,
+    warnings: Vec<String>,
+    mimic: Mimic,
+    /// The joints that mimic others, each in words.
+    mimics: Vec<String>,
+}
+
+impl Tree {
+    /// The root link, then the children in the order of the file's joints. Without the joint `floating` and the root link, where the
+    /// base takes their place.
+    fn describe(
+        &mut self,
+        robot: &Robot,
+        floating: Option<&urdf_text::Joint>,
+        source: &Source,
+        problems: &mut Problems,
+    ) {
+        let links = links(robot, source, problems);
+        if !robot.is_whole {
+            return;
+        }
+        let carried = carried(robot, &links, source, problems);
+        if let Some(joint) = floating {
+            self.warnings.push(format!(
+                "joint {:?} of type floating is taken as the robot's base, without its origin; link {:?} is left out",
+                joint.name, joint.parent
+            ));
+        }
+        let left_out = |link: &Link| floating.is_some_and(|joint| joint.parent == link.name);
+        let is_root = |link: &Link| match floating {
+            Some(joint) => joint.child == link.name,
+            None => !carried.contains_key(link.name.as_str()),
+        };
+        for link in robot.links.iter().filter(|link| is_root(link) && !left_out(link)) {
+            let joint = JointDescription::new("base".to_owned(), Joint::Fixed(Fixed), Placement::identity());
+            self.bodies.push(body(link, None, joint));
+        }
+        if self.bodies.is_empty() && !robot.links.is_empty() {
+            let problem = "every link is a child of another: a loop; a robot has one root";
+            problems.add(source.invalid(None, "robot", problem));
+        }
+        for joint in &robot.joints {
+            let is_base = floating.is_some_and(|base| base.name == joint.name);
+            let (Some(&link), false) = (links.get(joint.child.as_str()), is_base) else { continue };
+            if let Some(described) = problems.keep(self.describe_joint(joint, source)) {
+                let parent = self.carry(joint, &described);
+                self.bodies.push(body(link, Some(parent), described));
+            }
+        }
     }
-    if bodies.is_empty() {
-        return Err(source.invalid(None, "robot", "every link is a child of another: a loop; a robot has one root"));
+
+    /// The body that carries the last coordinate of `joint`: its parent, or of a planar joint the second of two bodies without mass that
+    /// slide along the plane.
+    fn carry(&mut self, joint: &urdf_text::Joint, described: &JointDescription) -> String {
+        let (Joint::Revolute(Revolute { axis }), "planar") = (&described.kind, joint.kind.as_str()) else {
+            return joint.parent.clone();
+        };
+        let across = if axis.x.abs() < 0.9 { Vector3::x_axis() } else { Vector3::y_axis() };
+        let first = Unit::new_normalize(across.into_inner() - axis.into_inner() * axis.dot(&across));
+        let second = Unit::new_normalize(axis.cross(&first));
+        let mut parent = joint.parent.clone();
+        for (suffix, axis, placement) in [("x", first, joint.origin), ("y", second, Placement::identity())] {
+            let name = format!("{}_{suffix}", joint.name);
+            let mut slide = JointDescription::new(name.clone(), Joint::Prismatic(Prismatic { axis }), placement);
+            slide.line = joint.line;
+            let (com, inertia) = (Vector3::zeros(), Matrix3::zeros());
+            let carried = name.clone();
+            self.bodies.push(BodyDescription {
+                name,
+                parent: Some(parent),
+                mass: 0.0,
+                com,
+                inertia,
+                joint: slide,
+                line: joint.line,
+            });
+            parent = carried;
+        }
+        parent
     }
-    for joint in &robot.joints {
-        bodies.push(body(links[joint.child.as_str()], Some(joint.parent.clone()), describe_joint(joint, source)?));
+
+    fn tell_of_mimics(&mut self) {
+        let count = match self.mimics.len() {
+            0 => return,
+            1 => "a joint mimics another one".to_owned(),
+            several => format!("{several} joints mimic others"),
+        };
+        let done = match self.mimic {
+            Mimic::Coupled => {
+                "coupled exactly, without a coordinate of its own (mimic = \"free\" or \"locked\" in the side file changes that)"
+            }
+            Mimic::Locked => "locked (mimic = \"locked\")",
+            Mimic::Free => "free, as if it did not (mimic = \"free\")",
+        };
+        self.warnings.push(format!("{count}, and each is {done}: {}", words::list(&self.mimics)));
     }
-    Ok(bodies)
 }
 
 /// The links by name.
-fn links<'a>(robot: &'a Robot, source: &Source) -> Result<HashMap<&'a str, &'a Link>, ModelError> {
+fn links<'a>(robot: &'a Robot, source: &Source, problems: &mut Problems) -> HashMap<&'a str, &'a Link> {
     if robot.links.is_empty() {
-        return Err(source.invalid(None, "robot", "has no links"));
+        problems.add(source.invalid(None, "robot", "has no links"));
     }
     let mut links = HashMap::new();
     for link in &robot.links {
         if links.insert(link.name.as_str(), link).is_some() {
             let problem = "the name is given twice; link names must differ";
-            return Err(source.invalid(link.line, format!("link {:?}", link.name), problem));
+            problems.add(source.invalid(link.line, format!("link {:?}", link.name), problem));
         }
     }
-    Ok(links)
+    links
 }
 
 /// The joint that carries each link but the root, by the link's name. [`Description::build`] would misname what is
@@ -120,24 +237,25 @@ fn carried<'a>(
     robot: &'a Robot,
     links: &HashMap<&str, &Link>,
     source: &Source,
-) -> Result<HashMap<&'a str, &'a urdf_text::Joint>, ModelError> {
+    problems: &mut Problems,
+) -> HashMap<&'a str, &'a urdf_text::Joint> {
     let mut carried: HashMap<&str, &urdf_text::Joint> = HashMap::new();
     for joint in &robot.joints {
-        let invalid = |problem| Err(source.invalid(joint.line, format!("joint {:?}", joint.name), problem));
+        let mut tell = |problem| problems.add(source.invalid(joint.line, format!("joint {:?}", joint.name), problem));
         for (role, link) in [("parent", &joint.parent), ("child", &joint.child)] {
             if !links.contains_key(link.as_str()) {
                 let valid = words::list(robot.links.iter().map(|link| &link.name));
-                return invalid(format!("unknown {role} link {link:?}; valid are {valid}"));
+                tell(format!("unknown {role} link {link:?}; valid are {valid}"));
             }
         }
         if let Some(other) = carried.insert(&joint.child, joint) {
-            return invalid(format!(
+            tell(format!(
                 "link {:?} has two parents, by this joint and by {:?}: a loop; a robot is a tree",
                 joint.child, other.name
             ));
         }
     }
-    Ok(carried)
+    carried
 }
 
 fn body(link: &Link, parent: Option<String>, joint: JointDescription) -> BodyDescription {
@@ -154,39 +272,49 @@ fn body(link: &Link, parent: Option<String>, joint: JointDescription) -> BodyDes
     BodyDescription { name: link.name.clone(), parent, mass, com, inertia, joint, line: link.line }
 }
 
-fn describe_joint(joint: &urdf_text::Joint, source: &Source) -> Result<JointDescription, ModelError> {
-    let subject = format!("joint {:?}", joint.name);
-    if let Some(leader) = &joint.mimics {
-        let problem = format!("mimics {leader:?}, which is not supported; make the joint free or fixed");
-        return Err(source.invalid(joint.line, subject, problem));
-    }
-    let known = Kind::ALL.iter().find(|kind| kind.urdf.contains(&joint.kind.as_str()));
-    let Some(read) = known.and_then(|kind| kind.read) else {
-        let valid = words::list(Kind::ALL.iter().flat_map(|kind| kind.urdf));
-        let problem = format!(
-            "is of type {}, which is not supported within the tree; valid are {valid} (what joins the root link to the \
-             world is the model's base)",
-            words::quoted(&joint.kind)
-        );
-        return Err(source.invalid(joint.line, subject, problem));
-    };
-    let kind = read(&|| unit_axis(source, joint.line, &subject, joint.axis))?;
-    let mut described = JointDescription::new(joint.name.clone(), kind, joint.origin);
-    described.line = joint.line;
-    if kind.nv() == 0 {
-        return Ok(described);
-    }
-    let dof = &mut described.dof;
-    dof.actuated = true;
-    dof.damping = joint.damping;
-    if let Some(limit) = &joint.limit {
-        if let Some([lower, upper]) = limit.range.filter(|_| joint.has_ends()) {
-            (dof.lower, dof.upper) = (lower, upper);
+impl Tree {
+    fn describe_joint(&mut self, joint: &urdf_text::Joint, source: &Source) -> Result<JointDescription, ModelError> {
+        let subject = format!("joint {:?}", joint.name);
+        let known = Kind::ALL.iter().find(|kind| kind.urdf.contains(&joint.kind.as_str()));
+        let Some(read) = known.and_then(|kind| kind.read) else {
+            let valid = words::list(Kind::ALL.iter().flat_map(|kind| kind.urdf));
+            let problem = format!("is of type {}; valid are {valid}", words::quoted(&joint.kind));
+            return Err(source.invalid(joint.line, subject, problem));
+        };
+        let kind = read(&|| unit_axis(source, joint.line, &subject, joint.axis))?;
+        let mut described = JointDescription::new(joint.name.clone(), kind, joint.origin);
+        described.line = joint.line;
+        if joint.kind == "planar" {
+            described.placement = Placement::identity();
         }
-        dof.effort_limit = limit.effort.unwrap_or(dof.effort_limit);
-        dof.velocity_limit = limit.velocity.unwrap_or(dof.velocity_limit);
+        if kind.nv() != 1 || joint.kind == "planar" {
+            return Ok(described);
+        }
+        let dof = &mut described.dof;
+        dof.actuated = true;
+        dof.damping = joint.damping;
+        if let Some(limit) = &joint.limit {
+            if let Some([lower, upper]) = limit.range.filter(|_| joint.has_ends()) {
+                (dof.lower, dof.upper) = (lower, upper);
+            }
+            dof.effort_limit = limit.effort.unwrap_or(dof.effort_limit);
+            dof.velocity_limit = limit.velocity.unwrap_or(dof.velocity_limit);
+        }
+        if let Some(leader) = &joint.mimics {
+            self.mimics.push(format!("{:?} follows {:?} by {}", joint.name, leader.joint, leader.ratio));
+            match self.mimic {
+                Mimic::Coupled => described.follows = Some(leader.clone()),
+                Mimic::Locked => {
+                    let mut placement = described.placement;
+                    kind.pose(&[leader.offset], &mut placement, &mut [Motion::zero()]);
+                    described = JointDescription::new(joint.name.clone(), Joint::Fixed(Fixed), placement);
+                    described.line = joint.line;
+                }
+                Mimic::Free => {}
+            }
+        }
+        Ok(described)
     }
-    Ok(described)
 }
 
 /// What the file of a joint that moves leaves out though URDF asks for it, and neither does the side file give it; and what
@@ -223,14 +351,14 @@ struct Moving(HashMap<String, usize>);
 impl Moving {
     fn of(bodies: &[BodyDescription]) -> Self {
         let mut moving = HashMap::new();
-        for (index, body) in bodies.iter().enumerate().filter(|(_, body)| body.joint.kind.nv() > 0) {
+        for (index, body) in bodies.iter().enumerate().filter(|(_, body)| body.joint.has_a_coordinate()) {
             moving.entry(body.joint.name.clone()).or_insert(index);
         }
         Self(moving)
     }
 
     fn index(&self, name: &str, bodies: &[BodyDescription]) -> Result<usize, String> {
-        let moving = || bodies.iter().map(|body| &body.joint).filter(|joint| joint.kind.nv() > 0);
+        let moving = || bodies.iter().map(|body| &body.joint).filter(|joint| joint.has_a_coordinate());
         let unknown =
             || format!("unknown joint {name:?}; valid are {}", words::list(moving().map(|joint| &joint.name)));
         self.0.get(name).copied().ok_or_else(unknown)
@@ -255,7 +383,7 @@ fn mark_actuated(
         moving.index(name, bodies).map_err(|problem| source.invalid(None, key, problem))?;
     }
     let listed: HashSet<&String> = list.iter().collect();
-    for body in bodies.iter_mut().filter(|body| body.joint.kind.nv() > 0) {
+    for body in bodies.iter_mut().filter(|body| body.joint.has_a_coordinate()) {
         body.joint.dof.actuated = listed.contains(&body.joint.name) == listed_is;
     }
     Ok(())
@@ -266,15 +394,18 @@ fn set_numbers(
     moving: &Moving,
     joints: &BTreeMap<String, Spanned<Table>>,
     source: &Source,
-) -> Result<(), ModelError> {
-    for (name, table) in joints {
+    problems: &mut Problems,
+) {
+    let mut set = |name: &String, table: &Spanned<Table>| {
         let (line, subject) = (source.line(table.span().start), format!("joint {name:?}"));
         let index = moving.index(name, bodies).map_err(|problem| source.invalid(line, "joints", problem))?;
         let joint = &mut bodies[index].joint;
         let mut table = table.get_ref().clone();
         let kind = joint.kind.kind();
         numbers(&mut table, kind, kind.keys, &mut joint.dof, source, line, &subject)?;
-        joint.check_numbers().map_err(|problem| source.invalid(line, subject, problem))?;
+        joint.check_numbers().map_err(|problem| source.invalid(line, subject, problem))
+    };
+    for (name, table) in joints {
+        problems.keep(set(name, table));
     }
-    Ok(())
 }

@@ -3,11 +3,12 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::error::ModelError;
+use crate::description::Leader;
+use crate::error::{ModelError, Problems};
 use crate::joints::rotation_from_quaternion;
 use crate::read::Source;
 use crate::spatial::{Placement, rotation_from_rpy};
-use crate::xml::{Element, Ignored, lenient, parse};
+use crate::xml::{Element, Ignored, Unparsed, lenient, parse};
 
 pub(crate) struct Robot {
     pub(crate) name: String,
@@ -15,8 +16,17 @@ pub(crate) struct Robot {
     version: (u32, u32),
     pub(crate) links: Vec<Link>,
     pub(crate) joints: Vec<Joint>,
-    /// What has no meaning in it, one sentence each.
-    pub(crate) ignored: Vec<String>,
+    /// Whether all its links and joints could be read, though numbers may be missing.
+    pub(crate) is_whole: bool,
+    /// What has no meaning in it or was mended, one sentence each.
+    pub(crate) warnings: Vec<String>,
+}
+
+/// What is found while a robot is read.
+#[derive(Default)]
+struct Notes {
+    ignored: Ignored,
+    problems: Problems,
 }
 
 pub(crate) struct Link {
@@ -45,7 +55,7 @@ pub(crate) struct Joint {
     pub(crate) damping: f64,
     pub(crate) friction: f64,
     /// The joint that it follows.
-    pub(crate) mimics: Option<String>,
+    pub(crate) mimics: Option<Leader>,
 }
 
 impl Joint {
@@ -64,62 +74,92 @@ pub(crate) struct Limit {
 }
 
 impl Robot {
-    pub(crate) fn read(text: &str, source: &Source) -> Result<Self, ModelError> {
-        let text = lenient(text);
-        let document = parse(&text, source)?;
+    /// What `text` says; what is wrong with parts of it is added to `problems`, and those parts are left out.
+    ///
+    /// # Errors
+    /// The text is no URDF.
+    pub(crate) fn read(text: &str, source: &Source, problems: &mut Problems) -> Result<Self, ModelError> {
+        let mut text = lenient(text);
+        let mut warnings = Vec::new();
+        let document = loop {
+            match parse(&text, source) {
+                Ok(document) => break document,
+                Err(Unparsed::Mended { text: mended, warning }) => {
+                    text = mended.into();
+                    warnings.push(warning);
+                }
+                Err(Unparsed::Refused(error)) => return Err(error),
+            }
+        };
         let root = Element::root(&document, source);
-        let mut ignored = Ignored::default();
+        let mut notes = Notes::default();
         // The others are pictures, simulators and controllers.
         let known = ["link", "joint", "material", "gazebo", "transmission", "ros2_control", "sensor", "mujoco"];
-        ignored.note(&root, &known, &["name", "version"]);
+        notes.ignored.note(&root, &known, &["name", "version"]);
         let mut robot = Self {
             name: if root.has("name") { root.text("name")?.to_owned() } else { String::new() },
             version: if root.has("version") { version(root.text("version")?) } else { (1, 0) },
             links: Vec::new(),
             joints: Vec::new(),
-            ignored: Vec::new(),
+            is_whole: true,
+            warnings: Vec::new(),
         };
         for element in root.children() {
             match element.name() {
-                "link" => robot.links.push(robot.link(element, &mut ignored)?),
-                "joint" => robot.joints.push(robot.joint(element, &mut ignored)?),
+                "link" => {
+                    let link = robot.link(element, &mut notes);
+                    robot.is_whole &= link.is_ok();
+                    robot.links.extend(notes.problems.keep(link));
+                }
+                "joint" => {
+                    let joint = robot.joint(element, &mut notes);
+                    robot.is_whole &= joint.is_ok();
+                    robot.joints.extend(notes.problems.keep(joint));
+                }
                 _ => {}
             }
         }
-        robot.ignored = ignored.warnings();
+        warnings.extend(notes.ignored.warnings());
+        robot.warnings = warnings;
+        problems.extend(notes.problems);
         Ok(robot)
     }
 
-    fn link(&self, element: Element, ignored: &mut Ignored) -> Result<Link, ModelError> {
+    fn link(&self, element: Element, notes: &mut Notes) -> Result<Link, ModelError> {
         let name = element.text("name")?;
         let subject = format!("link {name:?}");
         let element = element.of(&subject);
-        ignored.note(&element, &["inertial", "visual", "collision", "sensor", "contact"], &["name", "type"]);
-        let inertial = element.child("inertial")?.map(|inertial| self.inertial(inertial, ignored)).transpose()?;
+        notes.ignored.note(&element, &["inertial", "visual", "collision", "sensor", "contact"], &["name", "type"]);
+        let inertial = notes.problems.keep(element.child("inertial")).flatten();
+        let inertial = inertial.and_then(|inertial| {
+            let inertial = self.inertial(inertial, notes);
+            notes.problems.keep(inertial)
+        });
         Ok(Link { name: name.to_owned(), line: element.line(), inertial })
     }
 
-    fn inertial(&self, element: Element, ignored: &mut Ignored) -> Result<Inertial, ModelError> {
-        ignored.note(&element, &["origin", "mass", "inertia"], &[]);
+    fn inertial(&self, element: Element, notes: &mut Notes) -> Result<Inertial, ModelError> {
+        notes.ignored.note(&element, &["origin", "mass", "inertia"], &[]);
         let (mass, inertia) = (element.needed("mass")?, element.needed("inertia")?);
-        ignored.note(&mass, &[], &["value"]);
-        ignored.note(&inertia, &[], &["ixx", "ixy", "ixz", "iyy", "iyz", "izz"]);
-        let entry = |key: &str| inertia.needed_number(key);
-        let (xx, xy, xz) = (entry("ixx")?, entry("ixy")?, entry("ixz")?);
-        let (yy, yz, zz) = (entry("iyy")?, entry("iyz")?, entry("izz")?);
+        notes.ignored.note(&mass, &[], &["value"]);
+        notes.ignored.note(&inertia, &[], &["ixx", "ixy", "ixz", "iyy", "iyz", "izz"]);
+        let mut number =
+            |element: &Element, key: &str| notes.problems.keep(element.needed_number(key)).unwrap_or_default();
+        let [xx, xy, xz, yy, yz, zz] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"].map(|key| number(&inertia, key));
+        let mass = number(&mass, "value");
         Ok(Inertial {
-            origin: self.origin(&element, ignored)?,
-            mass: mass.needed_number("value")?,
+            origin: self.origin(&element, notes)?,
+            mass,
             inertia: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
         })
     }
 
-    fn joint(&self, element: Element, ignored: &mut Ignored) -> Result<Joint, ModelError> {
+    fn joint(&self, element: Element, notes: &mut Notes) -> Result<Joint, ModelError> {
         let name = element.text("name")?;
         let subject = format!("joint {name:?}");
         let element = element.of(&subject);
         let known = ["origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration"];
-        ignored.note(&element, &known, &["name", "type"]);
+        notes.ignored.note(&element, &known, &["name", "type"]);
         let kind = element.text("type")?;
         let (parent, child) = (element.needed("parent")?, element.needed("child")?);
         let (axis, dynamics) = (element.child("axis")?, element.child("dynamics")?);
@@ -129,32 +169,40 @@ impl Robot {
             (axis, &["xyz"]),
             (dynamics, &["damping", "friction"]),
         ] {
-            child.inspect(|child| ignored.note(child, &[], keys));
+            child.inspect(|child| notes.ignored.note(child, &[], keys));
         }
-        let axis = axis.map(|axis| axis.needed_numbers("xyz")).transpose()?;
-        let rate = |key: &str| dynamics.map_or(Ok(None), |dynamics| dynamics.number(key));
-        let mimics = element.child("mimic")?.map(|mimic| mimic.text("joint")).transpose()?;
+        let axis = axis.and_then(|axis| notes.problems.keep(axis.needed_numbers("xyz")));
+        let mut rate = |key: &str| {
+            let number = dynamics.map_or(Ok(None), |dynamics| dynamics.number(key));
+            notes.problems.keep(number).flatten().unwrap_or_default()
+        };
+        let (damping, friction) = (rate("damping"), rate("friction"));
+        let origin = self.origin(&element, notes);
+        let origin = notes.problems.keep(origin).unwrap_or(Placement::identity());
+        let limit = element.child("limit")?.map(|limit| self.limit(limit, notes));
+        let limit = limit.and_then(|limit| notes.problems.keep(limit));
+        let mimics = element.child("mimic")?.map(|mimic| mimics(mimic, notes)).transpose()?;
         Ok(Joint {
             name: name.to_owned(),
             line: element.line(),
             kind: kind.to_owned(),
             parent: parent.text("link")?.to_owned(),
             child: child.text("link")?.to_owned(),
-            origin: self.origin(&element, ignored)?,
+            origin,
             axis: axis.unwrap_or([1.0, 0.0, 0.0]),
-            limit: element.child("limit")?.map(|limit| self.limit(limit, ignored)).transpose()?,
-            damping: rate("damping")?.unwrap_or_default(),
-            friction: rate("friction")?.unwrap_or_default(),
-            mimics: mimics.map(str::to_owned),
+            limit,
+            damping,
+            friction,
+            mimics,
         })
     }
 
     /// The `<origin>` of a joint or inertial.
-    fn origin(&self, of: &Element, ignored: &mut Ignored) -> Result<Placement, ModelError> {
+    fn origin(&self, of: &Element, notes: &mut Notes) -> Result<Placement, ModelError> {
         let Some(origin) = of.child("origin")? else { return Ok(Placement::identity()) };
         let keys = ["xyz", "rpy", "quat_xyzw"];
         let quaternions = self.version >= (1, 1);
-        ignored.note(&origin, &[], if quaternions { &keys } else { &keys[..2] });
+        notes.ignored.note(&origin, &[], if quaternions { &keys } else { &keys[..2] });
         let quaternion = if quaternions { origin.numbers::<4>("quat_xyzw")? } else { None };
         let rotation = match (origin.numbers("rpy")?, quaternion) {
             (Some(_), Some(_)) => return Err(origin.invalid("origin rpy and quat_xyzw are both given; give one")),
@@ -171,8 +219,8 @@ impl Robot {
         Ok(Placement { rotation, translation: Vector3::from(origin.numbers("xyz")?.unwrap_or_default()) })
     }
 
-    fn limit(&self, limit: Element, ignored: &mut Ignored) -> Result<Limit, ModelError> {
-        ignored.note(&limit, &[], &["lower", "upper", "effort", "velocity"]);
+    fn limit(&self, limit: Element, notes: &mut Notes) -> Result<Limit, ModelError> {
+        notes.ignored.note(&limit, &[], &["lower", "upper", "effort", "velocity"]);
         let missing = if self.version >= (1, 2) { [f64::NEG_INFINITY, f64::INFINITY] } else { [0.0, 0.0] };
         let ends = [limit.extended("lower")?, limit.extended("upper")?];
         let range = [ends[0].unwrap_or(missing[0]), ends[1].unwrap_or(missing[1])];
@@ -183,6 +231,16 @@ impl Robot {
             velocity: limit.extended("velocity")?,
         })
     }
+}
+
+/// The joint that a joint follows.
+fn mimics(element: Element, notes: &mut Notes) -> Result<Leader, ModelError> {
+    notes.ignored.note(&element, &[], &["joint", "multiplier", "offset"]);
+    Ok(Leader {
+        joint: element.text("joint")?.to_owned(),
+        ratio: element.number("multiplier")?.unwrap_or(1.0),
+        offset: element.number("offset")?.unwrap_or_default(),
+    })
 }
 
 /// Of `1.2`, (1, 2). As in urdfdom, what is no version is the first one.

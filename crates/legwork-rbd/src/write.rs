@@ -4,9 +4,10 @@ use nalgebra::Matrix3;
 use toml::Spanned;
 
 use crate::base::Base;
+use crate::description::Inertias;
 use crate::frame::Frame;
 use crate::joints::{Form, Key, Revolute};
-use crate::model::{Body, Dof, Model};
+use crate::model::{Body, Dof, Follows, Model};
 use crate::model_file::{BodyEntry, ContactEntry, FrameEntry, FullInertia, InertiaEntry, ModelFile};
 use crate::roles::Roles;
 use crate::table::Table;
@@ -33,6 +34,7 @@ impl Model {
             torso: roles.torso.clone(),
             base_pitch: pitch.map(|pitch| numbers(pitch, Revolute::LIMITS)),
             feet: roles.feet.clone(),
+            inertias: Inertias::Kept,
             bodies: self.bodies[root..].iter().map(|body| spanned(self.body_entry(body))).collect(),
             contacts: self
                 .contacts
@@ -94,7 +96,18 @@ impl Model {
         if let Some(rows) = rows(&body.placement.rotation) {
             table.push("origin_rotation", rows.map(list).to_vec());
         }
-        for index in body.v_index..body.v_index + body.joint.nv() {
+        if let Some(Follows { ratio, offset }) = body.follows {
+            let mut leaders =
+                self.bodies.iter().filter(|other| other.follows.is_none() && other.v_index == body.v_index);
+            table.push(
+                "follows",
+                leaders.find(|other| other.nv() == 1).map_or("", |leader| &leader.joint_name).to_owned(),
+            );
+            table.push("ratio", ratio);
+            table.push("offset", offset);
+        }
+        if body.nv() == 1 {
+            let index = body.v_index;
             let dof = &self.dofs[index];
             table.append(numbers(dof, body.joint.kind().keys));
             table.push("actuated", dof.actuated);

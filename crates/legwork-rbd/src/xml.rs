@@ -26,15 +26,35 @@ pub(crate) fn lenient(text: &str) -> Cow<'_, str> {
     Cow::Owned(format!("{}{blank}{}", &text[..start], &text[end..]))
 }
 
+/// Why a text is not parsed as it stands.
+pub(crate) enum Unparsed {
+    /// What other readers of URDF let pass is mended in this text, which may hold more of it.
+    Mended {
+        /// With as many lines.
+        text: String,
+        /// What was mended, in a sentence.
+        warning: String,
+    },
+    /// It is no URDF.
+    Refused(ModelError),
+}
+
+impl From<ModelError> for Unparsed {
+    fn from(error: ModelError) -> Self {
+        Self::Refused(error)
+    }
+}
+
 /// The elements of a text that holds a robot.
-pub(crate) fn parse<'a>(text: &'a str, source: &Source) -> Result<Document<'a>, ModelError> {
+pub(crate) fn parse<'a>(text: &'a str, source: &Source) -> Result<Document<'a>, Unparsed> {
     if text.trim().is_empty() {
-        return Err(source.syntax(None, "is empty; it should hold a <robot> with links and joints"));
+        return Err(source.syntax(None, "is empty; it should hold a <robot> with links and joints").into());
     }
     if !text.contains("<robot") {
-        return Err(source.syntax(None, "no <robot> element; this is not URDF"));
+        return Err(source.syntax(None, "no <robot> element; this is not URDF").into());
     }
-    let document = Document::parse(text).map_err(|error| unreadable(&error, text, source))?;
+    let document = Document::parse(text)
+        .map_err(|error| mended(&error, text).unwrap_or_else(|| unreadable(&error, text, source).into()))?;
     let mut depths = Vec::new();
     for node in document.descendants() {
         let depth = node.parent().map_or(0, |parent| 1 + depths[parent.id().get_usize()]);
@@ -42,28 +62,52 @@ pub(crate) fn parse<'a>(text: &'a str, source: &Source) -> Result<Document<'a>, 
         let line = || source.line(node.range().start);
         if depth > MAX_DEPTH {
             let message = format!("elements are nested more than {MAX_DEPTH} deep, which no URDF needs");
-            return Err(source.syntax(line(), message));
+            return Err(source.syntax(line(), message).into());
         }
         if node.is_element() && written_name(node).starts_with("xacro:") {
-            return Err(source.syntax(line(), XACRO));
+            return Err(source.syntax(line(), XACRO).into());
         }
     }
     let root = document.root_element();
     if written_name(root) != "robot" {
         let message = format!("the outermost element is <{}>; that of a URDF is <robot>", written_name(root));
-        return Err(source.syntax(source.line(root.range().start), message));
+        return Err(source.syntax(source.line(root.range().start), message).into());
     }
     Ok(document)
+}
+
+/// The text without what `error` found, where it can be mended: a prefix that nothing declares is declared, and of two
+/// attributes with one name the second is taken out.
+fn mended(error: &Error, text: &str) -> Option<Unparsed> {
+    let line = error.pos().row;
+    match error {
+        Error::UnknownNamespace(prefix, _) if prefix != "xacro" => {
+            let at = text.find("<robot")? + "<robot".len();
+            let text = format!("{} xmlns:{prefix}=\"{prefix}\"{}", &text[..at], &text[at..]);
+            let warning = format!("line {line}: the prefix of {prefix}:… is not declared; what has it is ignored");
+            Some(Unparsed::Mended { text, warning })
+        }
+        Error::DuplicatedAttribute(name, position) => {
+            let begin: usize = text.split_inclusive('\n').take(position.row as usize - 1).map(str::len).sum();
+            let line_text = &text[begin..];
+            let column = line_text.char_indices().nth(position.col as usize - 1)?.0;
+            let at = begin + column;
+            let value = at + text[at..].find(['"', '\''])?;
+            let quote = text[value..].chars().next()?;
+            let end = value + 1 + text[value + 1..].find(quote)? + 1;
+            let blank: String = text[at..end].chars().map(|c| if c == '\n' { '\n' } else { ' ' }).collect();
+            let text = format!("{}{blank}{}", &text[..at], &text[end..]);
+            let warning = format!("line {line}: a second {name} in one element is ignored");
+            Some(Unparsed::Mended { text, warning })
+        }
+        _ => None,
+    }
 }
 
 fn unreadable(error: &Error, text: &str, source: &Source) -> ModelError {
     let line = Some(error.pos().row as usize);
     match error {
-        Error::UnknownNamespace(prefix, _) if prefix == "xacro" => source.syntax(line, XACRO),
-        Error::UnknownNamespace(prefix, _) => {
-            let message = format!("the prefix of {prefix}:… is not declared; add xmlns:{prefix}=\"…\" to <robot>");
-            source.syntax(line, message)
-        }
+        Error::UnknownNamespace(..) => source.syntax(line, XACRO),
         Error::DtdDetected => {
             let line = text.find("<!DOCTYPE").and_then(|at| source.line(at));
             source.syntax(line, "holds a document type (<!DOCTYPE …>), which is not read; take it out")

@@ -193,7 +193,7 @@ fn forces_on_points_and_on_the_centre_of_mass_go_through_their_jacobians() {
         let chain = dynamics.chain(body);
         let mut sum = Vector3::zeros();
         for &j in &chain {
-            sum += dynamics.unit_motion(j, &point).linear * v[j];
+            sum += dynamics.unit_motion(body, j, &point).linear * v[j];
         }
         let motion = dynamics.motion_at(body, &point);
         assert_close("velocity", sum.as_slice(), motion.linear.as_slice(), 1e-12);

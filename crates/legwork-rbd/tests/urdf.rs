@@ -1,6 +1,6 @@
 //! What a URDF is read as, and in which words it is refused or warned of: with line, link or joint, and key.
 
-use legwork_rbd::{Base, Model};
+use legwork_rbd::{Base, Dynamics, Model};
 
 const ROBOT: &str = r#"<robot name="r">
   <link name="a">
@@ -131,11 +131,6 @@ fn what_is_missing_or_given_twice_is_named() {
 
 #[test]
 fn text_that_is_no_urdf_is_refused_with_its_line() {
-    refused(
-        "  <link name=\"a\">",
-        "  <link name=\"a\" name=\"c\">",
-        "2: cannot be read as URDF: attribute 'name' at 2:18 is already defined",
-    );
     refused("</link>", "</lnk>", "8: cannot be read as URDF: expected 'link' tag, not 'lnk' at 8:3");
     refused("<mass", "<mass &m;", "5: cannot be read as URDF: invalid name token at 5:13");
     refused(
@@ -156,8 +151,6 @@ fn text_that_is_no_urdf_is_refused_with_its_line() {
     let declared =
         [("<robot", "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\""), ("<mass", "<xacro:if/>\n<mass")];
     assert_eq!(read(&edited(&declared)).unwrap_err(), format!("r.urdf:5:{xacro}"));
-    let prefix = "3: the prefix of drake:… is not declared; add xmlns:drake=\"…\" to <robot>";
-    refused("<inertial>", "<drake:inertial/>", prefix);
     let sdf = "<sdf>\n<robot/></sdf>";
     assert_eq!(read(sdf).unwrap_err(), "r.urdf:1: the outermost element is <sdf>; that of a URDF is <robot>");
     for nested in [100, 100_000] {
@@ -190,22 +183,27 @@ fn blanks_marks_and_line_ends_are_of_no_matter() {
 }
 
 #[test]
-fn files_in_utf_16_are_named() {
-    let folder = std::env::temp_dir().join(format!("legwork-rbd-utf-16-{}", std::process::id()));
+fn files_are_read_in_the_encoding_that_they_tell() {
+    let folder = std::env::temp_dir().join(format!("legwork-rbd-encodings-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join("r.urdf");
-    let little: Vec<u8> = ROBOT.encode_utf16().flat_map(u16::to_le_bytes).collect();
-    let big: Vec<u8> = ROBOT.encode_utf16().flat_map(u16::to_be_bytes).collect();
-    for bytes in [
-        little.clone(),
-        [&[0xff, 0xfe], little.as_slice()].concat(),
-        big.clone(),
-        [&[0xfe, 0xff], big.as_slice()].concat(),
-    ] {
+    let robot = ROBOT.replace("knee", "Knöchel");
+    let units = |mark: u16| std::iter::once(mark).chain(robot.encode_utf16()).collect::<Vec<u16>>();
+    let latin = format!("<?xml version=\"1.0\" encoding='ISO-8859-1'?>\n{robot}");
+    let cases: [Vec<u8>; 4] = [
+        robot.clone().into_bytes(),
+        units(0xfeff).into_iter().flat_map(u16::to_le_bytes).collect(),
+        units(0xfeff).into_iter().flat_map(u16::to_be_bytes).collect(),
+        // All its letters are those of Unicode below 256.
+        latin.chars().map(|letter| u8::try_from(u32::from(letter)).unwrap()).collect(),
+    ];
+    for bytes in cases {
         std::fs::write(&path, bytes).unwrap();
-        let message = Model::load(&path).unwrap_err().to_string();
-        assert_eq!(message, format!("{}: not UTF-8 text: found UTF-16; save it as UTF-8", path.display()));
+        assert_eq!(Model::load(&path).unwrap().dofs[6].name, "Knöchel");
     }
+    std::fs::write(&path, robot.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>()).unwrap();
+    let message = Model::load(&path).unwrap_err().to_string();
+    assert_eq!(message, format!("{}: not UTF-8 text: found UTF-16; save it as UTF-8", path.display()));
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
@@ -440,4 +438,164 @@ fn long_chains_are_read() {
     assert_eq!((model.nv(), model.bodies.last().unwrap().parent), (29_999, Some(29_998)));
     let again = Model::from_toml(&model.to_toml(), "again.toml").unwrap();
     assert_eq!(again.bodies, model.bodies);
+}
+
+#[test]
+fn what_other_readers_let_pass_is_mended_and_said() {
+    warned(
+        "  <link name=\"a\">",
+        "  <link name=\"a\" name =\n 'c'>",
+        &["line 2: a second name in one element is ignored"],
+    );
+    let prefix = "line 3: the prefix of drake:… is not declared; what has it is ignored";
+    warned("<inertial>", "<drake:inertial/><drake:mass drake:of='9'/><inertial>", &[prefix]);
+    let both = edited(&[("<mass", "<mass value=\"2\""), ("<dynamics", "<a:b c:d='1'/><dynamics")]);
+    assert_eq!(read(&both).unwrap().warnings().len(), 3);
+}
+
+#[test]
+fn all_that_is_wrong_is_told_at_once() {
+    let wrong = [
+        ("value=\"2\"", "value=\"two\""),
+        (" izz=\"1\"", ""),
+        ("0 1 0", "0 0 0"),
+        ("0.5", "fast"),
+        ("\"50\"", "\"-50\""),
+    ];
+    let message = read(&edited(&wrong)).unwrap_err();
+    for line in [
+        "r.urdf: 4 problems:",
+        "  r.urdf:5: link \"a\": mass value is \"two\"; a number such as 0.5 is needed",
+        "  r.urdf:6: link \"a\": inertia izz is missing",
+        "  r.urdf:21: joint \"knee\": dynamics damping is \"fast\"; a number such as 0.5 is needed",
+        "  r.urdf:15: joint \"knee\": axis is zero; give a direction, such as [0, -1, 0]",
+    ] {
+        assert!(message.lines().any(|found| found == line), "{message}");
+    }
+    let files = Model::from_urdf(
+        &edited(&[("value=\"2\"", "value=\"-2\"")]),
+        "r.urdf",
+        Some(("passive = [\"hip\"]\njoints.knee = { rest_deg = 5 }", "r.legwork.toml")),
+        None,
+    );
+    let message = files.unwrap_err().to_string();
+    assert!(
+        message.contains("r.legwork.toml: passive: unknown joint") && message.contains("a rest position without"),
+        "{message}"
+    );
+}
+
+/// The robot with a third link that `attributes` of a second joint carry.
+fn with_ankle(attributes: &str) -> String {
+    let link = "<link name=\"c\"><inertial><origin xyz=\"0.1 0 -0.2\"/><mass value=\"1.5\"/>\
+        <inertia ixx=\"0.2\" ixy=\"0\" ixz=\"0\" iyy=\"0.3\" iyz=\"0\" izz=\"0.25\"/></inertial></link>";
+    let joint = format!(
+        "<joint name=\"ankle\" {attributes}<origin xyz=\"0 0.1 -0.3\" rpy=\"0.2 0 0\"/><parent link=\"b\"/><child link=\"c\"/></joint>"
+    );
+    edited(&[("</robot>", &format!("{link}{joint}</robot>"))])
+}
+
+fn dynamics(model: &Model, q: &[f64], v: &[f64]) -> Dynamics {
+    let mut dynamics = Dynamics::new(model);
+    dynamics.update(model, q, v);
+    dynamics
+}
+
+#[test]
+fn a_joint_that_mimics_is_coupled_exactly() {
+    let text =
+        with_ankle("type=\"revolute\"><axis xyz=\"0 1 0\"/><mimic joint=\"knee\" multiplier=\"-2\" offset=\"0.3\"/>");
+    let read =
+        |side: &str| Model::from_urdf(&text, "r.urdf", Some((side, "r.legwork.toml")), Some(Base::Fixed)).unwrap();
+    let (coupled, free, locked) = (read("mimic = \"coupled\""), read("mimic = \"free\""), read("mimic = \"locked\""));
+    assert_eq!((coupled.nv(), free.nv(), locked.nv()), (1, 2, 1));
+    let said = "a joint mimics another one, and each is coupled exactly, without a coordinate of its own (mimic = \"free\" or \"locked\" in the \
+        side file changes that): \"ankle\" follows \"knee\" by -2";
+    assert!(coupled.warnings().contains(&said.to_owned()), "{:?}", coupled.warnings());
+    // With v = G q̇ the equation of motion is Gᵀ M G q̈ + Gᵀ h.
+    let (q, v) = (0.4, 1.7);
+    let one = dynamics(&coupled, &[q], &[v]);
+    let two = dynamics(&free, &[q, 0.3 - 2.0 * q], &[v, -2.0 * v]);
+    let g = nalgebra::DVector::from_vec(vec![1.0, -2.0]);
+    assert!((one.mass_matrix[0] - (g.transpose() * &two.mass_matrix * &g)[0]).abs() < 1e-14);
+    assert!((one.bias[0] - g.dot(&two.bias)).abs() < 1e-13);
+    assert!((one.com - two.com).amax() < 1e-15 && (one.com_velocity - two.com_velocity).amax() < 1e-15);
+    let still = dynamics(&locked, &[q], &[v]);
+    let held = dynamics(&free, &[q, 0.3], &[v, 0.0]);
+    assert!(
+        (still.mass_matrix[0] - held.mass_matrix[(0, 0)]).abs() < 1e-14 && (still.bias[0] - held.bias[0]).abs() < 1e-13
+    );
+    // A fixed joint follows nothing.
+    let fixed =
+        Model::from_urdf(&with_ankle("type=\"fixed\"><mimic joint=\"knee\"/>"), "r.urdf", None, Some(Base::Fixed))
+            .unwrap();
+    assert_eq!(fixed.nv(), 1);
+    assert_eq!(Model::from_toml(&coupled.to_toml(), "r.toml").unwrap().to_toml(), coupled.to_toml());
+}
+
+#[test]
+fn a_planar_joint_slides_and_turns_in_the_plane_across_its_axis() {
+    let model = read(&with_ankle("type=\"planar\"><axis xyz=\"0 0 2\"/>")).unwrap();
+    assert_eq!(model.v_names(), ["knee", "ankle_x", "ankle_y", "ankle"]);
+    let place = |q: [f64; 4]| {
+        let moved = dynamics(&model, &q, &[0.0; 4]);
+        let [b, c] = ["b", "c"].map(|body| moved.world_from_body[model.body_index(body).unwrap()]);
+        (b.rotation.transpose() * (c.translation - b.translation), b.rotation.transpose() * c.rotation)
+    };
+    let (at_zero, axes) = place([0.0; 4]);
+    let (moved, turned) = place([0.0, 0.25, -0.5, 0.7]);
+    let expected = axes * nalgebra::Vector3::new(0.25, -0.5, 0.0);
+    assert!((moved - at_zero - expected).amax() < 1e-15, "{moved}");
+    let turn = nalgebra::Rotation3::from_axis_angle(&nalgebra::Vector3::z_axis(), 0.7).into_inner();
+    assert!((turned - axes * turn).amax() < 1e-15);
+}
+
+#[test]
+fn a_floating_joint_below_a_link_without_mass_is_the_base() {
+    let world = "<link name=\"world\"/><joint name=\"free\" type=\"floating\"><parent link=\"world\"/><child link=\"a\"/></joint></robot>";
+    let text = edited(&[("</robot>", world)]);
+    let model = Model::from_urdf(&text, "r.urdf", None, None).unwrap();
+    let plain = Model::from_urdf(ROBOT, "r.urdf", None, None).unwrap();
+    assert_eq!(model.to_toml(), plain.to_toml());
+    assert!(
+        model.warnings()[0].contains("joint \"free\" of type floating is taken as the robot's base"),
+        "{:?}",
+        model.warnings()
+    );
+    // On a base that is bolted down it is a joint as others are: the same dynamics with other names.
+    let fixed = read(&text).unwrap();
+    assert_eq!((fixed.nq(), fixed.nv()), (8, 7));
+    let (q, v) = ([0.5, -0.5, 0.1, 0.7, 1.0, 2.0, 3.0, 0.4], [0.1, -0.2, 0.3, 0.4, -0.5, 0.6, 0.7]);
+    assert!((dynamics(&fixed, &q, &v).bias.clone() - &dynamics(&plain, &q, &v).bias).amax() < 1e-12);
+}
+
+#[test]
+fn an_inertia_that_no_body_has_is_kept_with_a_warning_or_repaired() {
+    let thin = edited(&[("izz=\"1\"", "izz=\"2.5\"")]);
+    let read = |side: &str| Model::from_urdf(&thin, "r.urdf", Some((side, "s.toml")), Some(Base::Fixed)).unwrap();
+    let (kept, repaired) = (read("inertias = \"kept\""), read("inertias = \"repaired\""));
+    let warning = "body \"a\": no body has this inertia: a principal moment of 2.500e0 kg m² is larger than the sum of the other two, \
+        2.000e0; it is kept as it is (inertias = \"repaired\" changes it to the nearest that a body can have)";
+    assert_eq!(kept.warnings(), [warning]);
+    assert_eq!(kept.bodies[0].inertia, nalgebra::Matrix3::from_diagonal(&nalgebra::Vector3::new(1.0, 1.0, 2.5)));
+    // Σ = diag(1.25, 1.25, −0.25) loses its negative part: I = tr(Σ) 1 − Σ.
+    let nearest = nalgebra::Matrix3::from_diagonal(&nalgebra::Vector3::new(1.25, 1.25, 2.5));
+    assert!((repaired.bodies[0].inertia - nearest).amax() < 1e-15, "{}", repaired.bodies[0].inertia);
+    assert!(repaired.warnings()[0].contains("it is changed to the nearest"), "{:?}", repaired.warnings());
+    // A negative moment about the joint's axis that the link's distance from it makes up for, and one that nothing does.
+    let negative = |value: &str| {
+        edited(&[
+            (
+                "iyy=\"1\" iyz=\"0\" izz=\"1\"/>\n    </inertial>\n  </link>\n  <joint",
+                &format!("iyy=\"{value}\" iyz=\"0\" izz=\"1\"/>\n    </inertial>\n  </link>\n  <joint"),
+            ),
+            ("<mass value=\"3.5\"", "<origin xyz=\"1 0 0\"/><mass value=\"3.5\""),
+        ])
+    };
+    assert!(self::read(&negative("-1")).is_ok());
+    let message = self::read(&negative("-4")).unwrap_err();
+    assert!(message.contains("joint \"knee\": moves no inertia about its axis"), "{message}");
+    let dummy = edited(&[("<mass value=\"2\"", "<mass value=\"0\"")]);
+    let warnings = self::read(&dummy).unwrap().warnings();
+    assert!(warnings[0].starts_with("body \"a\": has an inertia but no mass; it is kept"), "{warnings:?}");
 }

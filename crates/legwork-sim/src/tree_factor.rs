@@ -32,12 +32,7 @@ pub(super) struct TreeFactor {
 impl TreeFactor {
     /// Storage for `model`, with its tree as `dynamics` knows it.
     pub(super) fn new(model: &Model, dynamics: &Dynamics) -> Self {
-        Self::of_chains((0..model.nv()).map(|k| {
-            let mut chain = dynamics.chain(model.dofs[k].body);
-            // A joint of several coordinates: they carry one another.
-            chain.retain(|&j| j <= k);
-            chain
-        }))
+        Self::of_chains((0..model.nv()).map(|k| dynamics.chain_to(model, k)))
     }
 
     fn of_chains(chains: impl Iterator<Item = Vec<usize>>) -> Self {

@@ -193,7 +193,7 @@ impl<const D: usize, const K: usize> VelocityStep<D, K> {
             let at = &dynamics.contact_positions[foot.reference];
             self.before[index] = along(&dynamics.motion_at(foot.body, at), &axes);
             for (row, &j) in foot.whitened.iter_mut().zip(&foot.chain) {
-                *row = along(&dynamics.unit_motion(j, at), &axes);
+                *row = along(&dynamics.unit_motion(foot.body, j, at), &axes);
             }
             self.factor.whiten(&foot.chain, &mut foot.whitened);
         }

@@ -4,6 +4,7 @@
 //! model files say of it, as functions ([`JointType`]) its equations. A new type is a file, and an entry in the list of
 //! [`Joint`].
 
+mod ball;
 mod fixed;
 mod floating;
 mod prismatic;
@@ -11,6 +12,7 @@ mod revolute;
 
 use nalgebra::{Unit, Vector3};
 
+pub use ball::Ball;
 pub use fixed::Fixed;
 pub use floating::Floating;
 pub(crate) use floating::rotation_from_quaternion;
@@ -206,12 +208,14 @@ joint_types! {
     Revolute,
     /// Slides along an axis; the coordinate is the distance [m].
     Prismatic,
-    /// Moves freely: 7 position and 6 velocity coordinates. Only the root of a floating base is of this type.
+    /// Turns about every axis through the body's origin: 4 position and 3 velocity coordinates.
+    Ball,
+    /// Moves freely: 7 position and 6 velocity coordinates. The root of a floating base is of this type.
     Floating,
 }
 
 impl Joint {
-    /// The type's name: `fixed`, `revolute`, `prismatic` or `floating`.
+    /// The type's name: `fixed`, `revolute`, `prismatic`, `ball` or `floating`.
     #[must_use]
     pub const fn type_name(&self) -> &'static str {
         self.kind().name

@@ -38,7 +38,8 @@ impl JointType for Revolute {
         positions: &[""],
         velocities: &[("", true)],
         keys: KEYS,
-        urdf: &["revolute", "continuous"],
+        // A planar joint is two that slide before one that turns.
+        urdf: &["revolute", "continuous", "planar"],
         read: Some(|axis| Ok(Joint::Revolute(Revolute { axis: axis()? }))),
     };
 

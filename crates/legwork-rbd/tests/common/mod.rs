@@ -44,12 +44,13 @@ impl Random {
         [0; 3].map(|_| self.between(-size, size))
     }
 
-    /// A position: the quaternion of a floating base is a random rotation.
+    /// A position: quaternions are random rotations.
     pub fn q(&mut self, model: &Model) -> Vec<f64> {
         let mut q: Vec<f64> = (0..model.nq()).map(|_| self.between(-1.5, 1.5)).collect();
-        if model.base == Base::Floating {
-            let norm = q[..4].iter().map(|x| x * x).sum::<f64>().sqrt();
-            q[..4].iter_mut().for_each(|x| *x /= norm);
+        for body in model.bodies.iter().filter(|body| matches!(body.joint, Joint::Floating(_) | Joint::Ball(_))) {
+            let quaternion = &mut q[body.q_index..body.q_index + 4];
+            let norm = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
+            quaternion.iter_mut().for_each(|x| *x /= norm);
         }
         q
     }
@@ -59,7 +60,7 @@ impl Random {
     }
 }
 
-/// The TOML text of a random tree with `bodies` bodies: every kind of joint, any axes and origins that the base allows, dampers, springs, stops, four contacts, three frames.
+/// The TOML text of a random tree with `bodies` bodies: every kind of joint, some that follow others, any axes and origins that the base allows, dampers, springs, stops, four contacts, three frames.
 pub fn random_tree(seed: u64, bodies: usize, base: Base) -> String {
     let mut random = Random(seed);
     let name = match base {
@@ -69,6 +70,7 @@ pub fn random_tree(seed: u64, bodies: usize, base: Base) -> String {
     };
     let mut text = format!("name = \"tree\"\nbase = \"{name}\"\ngravity_mps2 = 9.81\n");
     writeln!(text, "torso = \"b{}\"", random.below(bodies)).unwrap();
+    let mut moving = Vec::new();
     for i in 0..bodies {
         let Inertia { xx, yy, zz, xy, xz, yz } = random_inertia(&mut random);
         writeln!(text, "[[bodies]]\nname = \"b{i}\"\nmass_kg = {}", random.between(0.1, 5.0)).unwrap();
@@ -82,7 +84,8 @@ pub fn random_tree(seed: u64, bodies: usize, base: Base) -> String {
         writeln!(text, "origin_m = {:?}", random.vector(0.5)).unwrap();
         let mut rpy = random.vector(180.0);
         let mut axis = random.vector(1.0);
-        let kind = ["revolute", "revolute", "prismatic", "fixed"][random.below(4)];
+        let kinds = ["revolute", "revolute", "prismatic", "fixed", "ball", "floating"];
+        let kind = kinds[random.below(if base == Base::Planar { 4 } else { kinds.len() })];
         if base == Base::Planar {
             rpy = [0.0, rpy[1], 0.0];
             axis = if kind == "revolute" { [0.0, axis[1].signum(), 0.0] } else { [axis[0], 0.0, axis[2]] };
@@ -93,6 +96,14 @@ pub fn random_tree(seed: u64, bodies: usize, base: Base) -> String {
             "prismatic" => ("n", "m"),
             _ => continue,
         };
+        if !moving.is_empty() && random.below(4) == 0 {
+            let (leader, ratio, offset) =
+                (moving[random.below(moving.len())], random.between(-2.0, 2.0), random.between(-1.0, 1.0));
+            writeln!(text, "follows = \"j{leader}\"\nratio = {ratio}\noffset = {offset}").unwrap();
+            moving.push(i);
+            continue;
+        }
+        moving.push(i);
         let per = &length[..1];
         writeln!(text, "damping_{turning}sp{per} = {}", random.between(0.0, 3.0)).unwrap();
         if random.below(2) == 0 {
@@ -152,7 +163,12 @@ pub fn rnea(model: &Model, q: &[f64], v: &[f64], a: &[f64], gravity: f64) -> DVe
     let mut acceleration = vec![Vector6::zeros(); n];
     let mut force = vec![Vector6::zeros(); n];
     for (i, body) in model.bodies.iter().enumerate() {
-        let (pose, columns) = joint_calculation(&body.joint, &q[body.q_index..]);
+        let (ratio, own) = match body.follows {
+            Some(follows) => (follows.ratio, vec![follows.ratio * q[body.q_index] + follows.offset]),
+            None => (1.0, q[body.q_index..].to_vec()),
+        };
+        let (pose, columns) = joint_calculation(&body.joint, &own);
+        let columns = columns * ratio;
         X[i] = transform(&pose) * transform(&body.placement);
         let nv = columns.ncols();
         let vj = &columns * DVector::from_column_slice(&v[body.v_index..body.v_index + nv]);
@@ -172,7 +188,8 @@ pub fn rnea(model: &Model, q: &[f64], v: &[f64], a: &[f64], gravity: f64) -> DVe
     let mut tau = DVector::zeros(model.nv());
     for (i, body) in model.bodies.iter().enumerate().rev() {
         let generalised = S[i].transpose() * DVector::from_column_slice(force[i].as_slice());
-        tau.rows_mut(body.v_index, generalised.len()).copy_from(&generalised);
+        let mut sum = tau.rows_mut(body.v_index, generalised.len());
+        sum += &generalised;
         if let Some(p) = body.parent {
             let carried = X[i].transpose() * force[i];
             force[p] += carried;
@@ -192,6 +209,11 @@ fn joint_calculation(joint: &Joint, q: &[f64]) -> (Placement, DMatrix<f64>) {
         Joint::Prismatic(Prismatic { axis }) => {
             pose.translation = axis.into_inner() * q[0];
             (pose, DMatrix::from_column_slice(6, 1, &[0.0, 0.0, 0.0, axis.x, axis.y, axis.z]))
+        }
+        Joint::Ball(_) => {
+            let quaternion = UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]));
+            pose.rotation = quaternion.to_rotation_matrix().into_inner();
+            (pose, DMatrix::identity(6, 3))
         }
         Joint::Floating(_) => {
             let quaternion = UnitQuaternion::from_quaternion(Quaternion::new(q[0], q[1], q[2], q[3]));
