@@ -140,7 +140,7 @@ impl Description {
                 Err(self.invalid(self.joint_line(&body.name), format!("joint {:?}", body.joint_name), problem))
             };
             let (s, composite) = (&dynamics.subspace[j], &dynamics.composite[dof.body]);
-            let inertia = s.dot(&composite.momentum(s));
+            let inertia = s.dot(&composite.momentum(s)) + dof.armature;
             if !(inertia > 0.0 && inertia.is_finite()) {
                 let problem = if !inertia.is_finite() {
                     "moves more than numbers can hold; a mass or a length beyond it is too large".to_owned()
@@ -184,6 +184,7 @@ impl JointDescription {
         }
         for (what, value) in [
             ("damping", self.dof.damping),
+            ("armature", self.dof.armature),
             ("the spring's stiffness", stiffness),
             ("the stop's stiffness", stop_stiffness),
             ("the stop's damping", stop_damping),

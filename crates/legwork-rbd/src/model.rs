@@ -49,6 +49,8 @@ pub struct Dof {
     pub effort_limit: f64,
     /// Viscous damping [Nm s/rad or N s/m].
     pub damping: f64,
+    /// Inertia that the motor's rotor shows at the joint, the gear ratio squared times its own [kg m² or kg]; zero without one.
+    pub armature: f64,
     /// Stiffness of a spring at the joint [Nm/rad or N/m]; zero without one, and on a floating base.
     pub stiffness: f64,
     /// Where that spring is at rest [rad or m].
@@ -74,6 +76,7 @@ impl Dof {
             velocity_limit: f64::INFINITY,
             effort_limit: f64::INFINITY,
             damping: 0.0,
+            armature: 0.0,
             stiffness: 0.0,
             rest: 0.0,
             stop_stiffness: 0.0,
