@@ -7,7 +7,7 @@ use crate::error::ModelError;
 use crate::joints::rotation_from_quaternion;
 use crate::read::Source;
 use crate::spatial::{Placement, rotation_from_rpy};
-use crate::xml::{Element, Ignored, lenient, parse};
+use crate::xml::{Element, Ignored, URDF, lenient, parse};
 
 pub(crate) struct Robot {
     pub(crate) name: String,
@@ -66,7 +66,7 @@ pub(crate) struct Limit {
 impl Robot {
     pub(crate) fn read(text: &str, source: &Source) -> Result<Self, ModelError> {
         let text = lenient(text);
-        let document = parse(&text, source)?;
+        let document = parse(&text, source, &URDF)?;
         let root = Element::root(&document, source);
         let mut ignored = Ignored::default();
         // The others are pictures, simulators and controllers.
