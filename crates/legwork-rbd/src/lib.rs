@@ -1,6 +1,6 @@
 //! Rigid-body dynamics of robots that are trees: mass matrix, bias, Jacobians, contact points, centroidal momentum.
 //!
-//! A [`Model`] is read from a TOML or URDF file and does not change; a [`Dynamics`] holds every result and all scratch
+//! A [`Model`] is read from a TOML, URDF or MJCF file and does not change; a [`Dynamics`] holds every result and all scratch
 //! for one state and is refreshed by [`Dynamics::update`] without allocating. One code path serves fixed, planar and
 //! floating bases.
 //!

@@ -110,7 +110,8 @@ pub struct ContactPoint {
     pub position: Vector3<f64>,
 }
 
-/// A robot. Made by [`Model::load`], [`Model::from_toml`] or [`Model::from_urdf`], which check it.
+/// A robot. Made by [`Model::load`], [`Model::from_toml`],
+/// [`Model::from_urdf`] or [`Model::from_mjcf`], which check it.
 ///
 /// The numbers (a mass, a limit, a contact's place) may be changed afterwards, say to study a model error; the tree
 /// may not: a [`Dynamics`](crate::Dynamics) relies on the structure that it was made with.

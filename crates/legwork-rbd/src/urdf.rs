@@ -88,7 +88,13 @@ pub(crate) fn read_urdf(
         contacts: contacts(&side.contacts, &side_source)?,
         frames: frames(&side.frames, &side_source)?,
         warnings,
-        roles: Roles { file: side_name.to_owned(), torso: side.torso, feet: side.feet, ..Roles::default() },
+        roles: Roles {
+            file: side_name.to_owned(),
+            torso: side.torso,
+            feet: side.feet,
+            geometry: robot.links.into_iter().flat_map(|link| link.geometry).collect(),
+            ..Roles::default()
+        },
     }
     .build()
 }

@@ -4,6 +4,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::error::ModelError;
+use crate::geometry::{Geometry, Shape};
 use crate::joints::rotation_from_quaternion;
 use crate::read::Source;
 use crate::spatial::{Placement, rotation_from_rpy};
@@ -23,6 +24,8 @@ pub(crate) struct Link {
     pub(crate) name: String,
     pub(crate) line: Option<usize>,
     pub(crate) inertial: Option<Inertial>,
+    /// Of its `<collision>` elements.
+    pub(crate) geometry: Vec<Geometry>,
 }
 
 pub(crate) struct Inertial {
@@ -96,7 +99,35 @@ impl Robot {
         let element = element.of(&subject);
         ignored.note(&element, &["inertial", "visual", "collision", "sensor", "contact"], &["name", "type"]);
         let inertial = element.child("inertial")?.map(|inertial| self.inertial(inertial, ignored)).transpose()?;
-        Ok(Link { name: name.to_owned(), line: element.line(), inertial })
+        let collisions = element.children().filter(|child| child.name() == "collision");
+        // What dynamics need not is no reason to refuse a robot.
+        let geometry = collisions.filter_map(|collision| self.collision(name, collision).ok().flatten()).collect();
+        Ok(Link { name: name.to_owned(), line: element.line(), inertial, geometry })
+    }
+
+    /// The shape of a `<collision>`, of one that is known.
+    fn collision(&self, link: &str, element: Element) -> Result<Option<Geometry>, ModelError> {
+        let geometry = element.needed("geometry")?;
+        let Some(shape) = geometry.children().next() else { return Ok(None) };
+        let half = |key: &str| Ok::<_, ModelError>(shape.needed_number(key)? / 2.0);
+        let found = match shape.name() {
+            "box" => Shape::Box { half_sizes: Vector3::from(shape.needed_numbers("size")?) / 2.0 },
+            "sphere" => Shape::Sphere { radius: shape.needed_number("radius")? },
+            "cylinder" => Shape::Cylinder { radius: shape.needed_number("radius")?, half_length: half("length")? },
+            "capsule" => Shape::Capsule { radius: shape.needed_number("radius")?, half_length: half("length")? },
+            "mesh" => {
+                let scale = Vector3::from(shape.numbers("scale")?.unwrap_or([1.0; 3]));
+                Shape::Mesh { file: shape.text("filename")?.to_owned(), scale }
+            }
+            _ => return Ok(None),
+        };
+        Ok(Some(Geometry {
+            name: element.get("name").unwrap_or_default().to_owned(),
+            body: link.to_owned(),
+            placement: self.origin(&element, &mut Ignored::default())?,
+            shape: found,
+            collides: true,
+        }))
     }
 
     fn inertial(&self, element: Element, ignored: &mut Ignored) -> Result<Inertial, ModelError> {

@@ -131,6 +131,7 @@ const ORIENTATION: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"]
 
 const BODY_KEYS: &[&str] = &["name", "childclass", "pos", "mocap", "gravcomp", "sleep", "simple", "user"];
 const CHILDREN: &[&str] = &[
+    "include",
     "body",
     "frame",
     "inertial",

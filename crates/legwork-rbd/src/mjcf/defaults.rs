@@ -121,18 +121,12 @@ impl<'a> Item<'a> {
     }
 
     pub(super) fn number(&self, key: &str) -> Result<Option<f64>, ModelError> {
-        Ok(self.row::<1>(key)?.map(|[number]| number))
+        self.level(key).map_or(Ok(None), |level| level.number(key))
     }
 
-    /// All numbers of a row. A default of fewer numbers is none for the rest.
+    /// All numbers of a row.
     pub(super) fn row<const N: usize>(&self, key: &str) -> Result<Option<[f64; N]>, ModelError> {
-        let (numbers, given) = self.part::<N>(key)?;
-        match self.level(key) {
-            Some(level) if given < N => {
-                Err(level.refused_at(key, &format!("{N} finite numbers with blanks between them are needed")))
-            }
-            level => Ok(level.map(|_| numbers)),
-        }
+        self.level(key).map_or(Ok(None), |level| level.numbers(key))
     }
 
     /// The first numbers of a row of at most `N`, with how many there are. A class gives those that its item leaves out.
@@ -143,11 +137,7 @@ impl<'a> Item<'a> {
             let parsed: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
             let Some(parsed) = parsed.ok().filter(|row| row.len() <= N && row.iter().all(|number| number.is_finite()))
             else {
-                let needed = if N == 1 {
-                    "a finite number such as 0.5 is needed".to_owned()
-                } else {
-                    format!("at most {N} finite numbers with blanks between them are needed")
-                };
+                let needed = format!("at most {N} finite numbers with blanks between them are needed");
                 return Err(level.refused_at(key, &needed));
             };
             if parsed.is_empty() {
