@@ -4,6 +4,8 @@ mod bench_peers;
 mod browser;
 mod count_instructions;
 mod mutants;
+mod python;
+mod robots;
 mod tables;
 mod wasm;
 
@@ -16,8 +18,9 @@ const USAGE: &str =
     "usage: cargo xtask TASK, which is one of
 
   test                 format, lint, documentation, all Rust tests and doc tests, tables read by pandas, pyarrow, polars
-                       and duckdb (installed below target/python), the report in a real browser, runs in WebAssembly,
-                       and the instructions; ends with the sum alone on a line
+                       and duckdb (installed below target/python), robots of other people beside MuJoCo (below
+                       target/robots), the report in a real browser, runs in WebAssembly, and the instructions; ends
+                       with the sum alone on a line
   count-instructions [--write]
                        the instructions of tick, step, solve and dynamics beside those of bench/instructions.toml;
                        with --write they become those
@@ -28,6 +31,7 @@ const USAGE: &str =
   bench-peers [--quick] [--only GROUPS]
                        ours beside other people's programs, which it installs below target/peers; writes
                        docs/performance.md
+  robots               reads robots of other people and compares their dynamics with those of MuJoCo
   tables               reads what legwork writes with pandas, pyarrow, polars and duckdb
   wasm [--debian]      builds controller, simulator and run for WebAssembly and compares the bits of runs in Node with
                        the native ones; --debian takes Debian's compiler, which it unpacks below target/wasm";
@@ -41,6 +45,11 @@ fn main() -> ExitCode {
         Some("tables") => {
             let mut sum = Sum::default();
             tables::test(&mut sum);
+            sum.end()
+        }
+        Some("robots") => {
+            let mut sum = Sum::default();
+            robots::test(&mut sum);
             sum.end()
         }
         Some("wasm") => wasm::run(&env::args().skip(2).collect::<Vec<_>>()),
@@ -104,6 +113,8 @@ fn test() -> ExitCode {
     rust_tests(&mut sum);
     say("== tables read by other people's libraries");
     tables::test(&mut sum);
+    say("== robots of other people");
+    robots::test(&mut sum);
     say("== report in a browser");
     browser::test(&mut sum);
     say("== WebAssembly");

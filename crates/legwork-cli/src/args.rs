@@ -152,7 +152,7 @@ pub(crate) enum Command {
     /// Print a scenario with all its settings, or a study, as a file that can be saved and run
     #[command(after_help = "Example:\n  legwork show push > my-push.toml")]
     Show(ShowArgs),
-    /// Show a robot model (TOML or URDF): tree, masses, limits, contacts, warnings; with a state also its dynamics
+    /// Show a robot model (TOML, URDF or MJCF): tree, masses, limits, contacts, warnings; with a state also its dynamics
     #[command(after_help = INSPECT_HELP)]
     Inspect(InspectArgs),
 }
@@ -426,7 +426,7 @@ pub(crate) struct ShowArgs {
 /// Options of `inspect`.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct InspectArgs {
-    /// A built-in model, or a TOML or URDF file
+    /// A built-in model, or a TOML, URDF or MJCF file
     pub(crate) model: String,
     /// How the root is held, instead of what the model says
     #[arg(long, value_enum)]

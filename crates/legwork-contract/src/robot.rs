@@ -81,7 +81,7 @@ impl Robot {
         Ok(Self { torso: model.root() + torso, model, feet, foot_of })
     }
 
-    /// Reads a robot from a `.toml` or `.urdf` file, as [`Model::load`] does.
+    /// Reads a robot from a `.toml`, `.urdf` or MJCF file, as [`Model::load`] does.
     ///
     /// # Errors
     /// Those of [`Model::load`] and [`Robot::new`].
@@ -126,6 +126,21 @@ impl Robot {
         base: Option<Base>,
     ) -> Result<Self, ModelError> {
         let (model, roles) = Model::from_urdf_with_roles(text, file_name, sidecar, base)?;
+        Self::new(model, &roles)
+    }
+
+    /// Reads a robot from MJCF, the text beside it and the files that it names, as [`Model::from_mjcf`] does.
+    ///
+    /// # Errors
+    /// Those of [`Model::from_mjcf`] and [`Robot::new`].
+    pub fn from_mjcf(
+        text: &str,
+        file_name: &str,
+        sidecar: Option<(&str, &str)>,
+        base: Option<Base>,
+        files: &[(&str, &[u8])],
+    ) -> Result<Self, ModelError> {
+        let (model, roles) = Model::from_mjcf_with_roles(text, file_name, sidecar, base, files)?;
         Self::new(model, &roles)
     }
 

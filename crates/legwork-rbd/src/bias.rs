@@ -47,9 +47,12 @@ impl Dynamics {
         }
     }
 
-    /// h = C v + G from the accumulated forces; B v from the joints' damping.
+    /// h = C v + G from the accumulated forces; B v from the joints' damping. Adds the kinetic energy of rotors: what they show at
+    /// their joints is constant, so that h has nothing of them.
     pub(crate) fn generalised_forces(&mut self, model: &Model, v: &[f64]) {
+        let mut twice_energy = 0.0;
         for (j, dof) in model.dofs.iter().enumerate() {
+            twice_energy += dof.armature * v[j] * v[j];
             self.bias[j] = self.subspace[j].dot(&self.force[dof.body]) + self.gravity[j];
             self.damping[j] = dof.damping * v[j];
         }
@@ -57,6 +60,7 @@ impl Dynamics {
             // Its weight is in that of the joint that it follows.
             self.bias[follower.coordinate] += follower.ratio * s.dot(&self.force[follower.body]);
         }
+        self.kinetic_energy += 0.5 * twice_energy;
         self.stop_dampers(model, v);
     }
 }

@@ -147,7 +147,7 @@ impl Description {
                 Err(self.invalid(self.joint_line(&body.name), format!("joint {:?}", body.joint_name), problem))
             };
             let (s, composite) = (&dynamics.subspace[j], &dynamics.composite[dof.body]);
-            let mut inertia = s.dot(&composite.momentum(s));
+            let mut inertia = s.dot(&composite.momentum(s)) + dof.armature;
             for (follower, s) in dynamics.tree.followers(&dynamics.subspace).filter(|(other, _)| other.coordinate == j)
             {
                 let ratio = follower.ratio;
@@ -228,6 +228,7 @@ impl JointDescription {
         }
         for (what, value) in [
             ("damping", self.dof.damping),
+            ("armature", self.dof.armature),
             ("the spring's stiffness", stiffness),
             ("the stop's stiffness", stop_stiffness),
             ("the stop's damping", stop_damping),

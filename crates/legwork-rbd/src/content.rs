@@ -5,9 +5,9 @@ use toml::de::DeTable;
 /// What the files hold of which a robot's simulation is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
-    /// A robot, as TOML or as URDF.
+    /// A robot, as TOML, URDF or MJCF.
     Model,
-    /// What a URDF does not say of its robot.
+    /// What a URDF or MJCF does not say of its robot.
     SideFile,
     /// An experiment with a robot.
     Scenario,
@@ -47,7 +47,8 @@ impl Content {
     /// What the `text` of the file `name` holds, where that is not what is `wanted`.
     pub fn other_than(wanted: Self, name: &str, text: &str) -> Option<Self> {
         let Ok(table) = DeTable::parse(text) else {
-            return (text.trim_start().starts_with('<') && text.contains("<robot")).then_some(Model);
+            let is_robot = text.contains("<robot") || text.contains("<mujoco");
+            return (text.trim_start().starts_with('<') && is_robot).then_some(Model);
         };
         let has = |key: &str| table.get_ref().contains_key(key);
         if wanted != SideFile && name.ends_with(".legwork.toml") && !has("bodies") {
@@ -74,7 +75,7 @@ impl Content {
     fn in_words(self) -> &'static str {
         match self {
             Model => "a robot model",
-            SideFile => "the side file of a robot's URDF",
+            SideFile => "the side file of a robot's URDF or MJCF",
             Scenario => "a scenario",
             Study => "a study",
             Tuning => "a tuning",

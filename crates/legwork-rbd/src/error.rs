@@ -20,7 +20,7 @@ pub enum ModelError {
         source: Unread,
     },
     /// The path is a folder.
-    #[error("{}: is a folder; name a model file (.toml or .urdf) in it{files}", one_line(.file, PLACE))]
+    #[error("{}: is a folder; name a model file (.toml, .urdf or .xml) in it{files}", one_line(.file, PLACE))]
     Folder {
         /// The path as given.
         file: String,
@@ -28,7 +28,7 @@ pub enum ModelError {
         files: String,
     },
     /// The file's kind is not known.
-    #[error("{}: unknown kind of file; valid are .toml and .urdf", one_line(.file, PLACE))]
+    #[error("{}: unknown kind of file; valid are .toml, .urdf, .xml and .mjcf", one_line(.file, PLACE))]
     UnknownKind {
         /// The path as given.
         file: String,

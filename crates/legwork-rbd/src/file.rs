@@ -10,6 +10,9 @@ use thiserror::Error;
 /// The most that a text may hold which says what is simulated [bytes].
 pub const TEXT: u64 = 32_000_000;
 
+/// The most that a mesh, or another file that a robot's file names, may hold [bytes].
+pub const MESH: u64 = 500_000_000;
+
 /// Why a file is not read, in words that follow its name.
 #[derive(Debug, Error)]
 pub enum Unread {

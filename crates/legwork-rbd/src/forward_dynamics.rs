@@ -70,7 +70,8 @@ impl ForwardDynamics {
             for j in (body.v_index..body.v_index + body.joint.nv()).rev() {
                 let s = &dynamics.subspace[j];
                 let U = articulated.momentum(s);
-                let D = s.dot(&U);
+                // Featherstone 2008, Section 9.6: a rotor's inertia stands beside that of the bodies.
+                let D = s.dot(&U) + model.dofs[j].armature;
                 if D.is_nan() || D <= 0.0 {
                     return false;
                 }

@@ -43,7 +43,8 @@ impl InverseDynamics {
         }
         for (i, body) in model.bodies.iter().enumerate().rev() {
             for j in body.v_index..body.v_index + body.nv() {
-                tau[j] = dynamics.subspace[j].dot(&self.force[i]) + dynamics.passive(j);
+                tau[j] =
+                    dynamics.subspace[j].dot(&self.force[i]) + model.dofs[j].armature * vdot[j] + dynamics.passive(j);
             }
             if let Some(parent) = body.parent {
                 let force = self.force[i];

@@ -1,6 +1,6 @@
 //! Rigid-body dynamics of robots that are trees: mass matrix, bias, Jacobians, contact points, centroidal momentum.
 //!
-//! A [`Model`] is read from a TOML or URDF file and does not change; a [`Dynamics`] holds every result and all scratch
+//! A [`Model`] is read from a TOML, URDF or MJCF file and does not change; a [`Dynamics`] holds every result and all scratch
 //! for one state and is refreshed by [`Dynamics::update`] without allocating. One code path serves fixed, planar and
 //! floating bases.
 //!
@@ -57,10 +57,12 @@ mod error;
 pub mod file;
 mod forward_dynamics;
 mod frame;
+mod geometry;
 mod inverse_dynamics;
 mod joints;
 mod kinematics;
 mod mass_matrix;
+mod mjcf;
 mod model;
 mod model_file;
 mod read;
@@ -80,6 +82,7 @@ pub use dynamics::Dynamics;
 pub use error::ModelError;
 pub use forward_dynamics::ForwardDynamics;
 pub use frame::Frame;
+pub use geometry::{Geometry, Shape};
 pub use inverse_dynamics::InverseDynamics;
 pub use joints::{Ball, Fixed, Floating, Joint, Prismatic, Revolute};
 pub use model::{Body, ContactPoint, Dof, Follows, Model};

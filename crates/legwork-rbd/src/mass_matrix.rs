@@ -29,7 +29,7 @@ impl Dynamics {
         }
     }
 
-    /// F_j = I^c S_j and M_ij = S_iᵀ F_j for i = j and all i that carry j; the rest of M stays zero.
+    /// F_j = I^c S_j and M_ij = S_iᵀ F_j for i = j and all i that carry j; the rest of M stays zero. Armature is added to M_jj.
     pub(crate) fn mass_matrix(&mut self, model: &Model) {
         if self.tree.is_coupled() {
             return self.coupled_mass_matrix(model);
@@ -49,6 +49,8 @@ impl Dynamics {
                 column[i] = self.subspace[i].dot(&momentum);
                 i = self.tree.parent[i];
             }
+            // A rotor turns with its joint alone; what it adds to the motion of the body that it sits on is in that body's inertia.
+            column[j] += dof.armature;
         }
         // The other triangle. Where neither coordinate carries the other there is a zero to copy.
         for j in 1..nv {

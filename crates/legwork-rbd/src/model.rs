@@ -80,6 +80,8 @@ pub struct Dof {
     pub effort_limit: f64,
     /// Viscous damping [Nm s/rad or N s/m].
     pub damping: f64,
+    /// Inertia that the motor's rotor shows at the joint, the gear ratio squared times its own [kg m² or kg]; zero without one.
+    pub armature: f64,
     /// Stiffness of a spring at the joint [Nm/rad or N/m]; zero without one, and on a floating base.
     pub stiffness: f64,
     /// Where that spring is at rest [rad or m].
@@ -105,6 +107,7 @@ impl Dof {
             velocity_limit: f64::INFINITY,
             effort_limit: f64::INFINITY,
             damping: 0.0,
+            armature: 0.0,
             stiffness: 0.0,
             rest: 0.0,
             stop_stiffness: 0.0,
@@ -138,7 +141,8 @@ pub struct ContactPoint {
     pub position: Vector3<f64>,
 }
 
-/// A robot. Made by [`Model::load`], [`Model::from_toml`] or [`Model::from_urdf`], which check it.
+/// A robot. Made by [`Model::load`], [`Model::from_toml`],
+/// [`Model::from_urdf`] or [`Model::from_mjcf`], which check it.
 ///
 /// The numbers (a mass, a limit, a contact's place) may be changed afterwards, say to study a model error; the tree
 /// may not: a [`Dynamics`](crate::Dynamics) relies on the structure that it was made with.

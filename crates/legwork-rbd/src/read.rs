@@ -9,6 +9,7 @@ use crate::base::Base;
 use crate::content::Content;
 use crate::error::ModelError;
 use crate::file::{self, Lines, Unread};
+use crate::mjcf::read_mjcf;
 use crate::model::Model;
 use crate::read_toml::read_toml;
 use crate::roles::Roles;
@@ -16,8 +17,9 @@ use crate::urdf::read_urdf;
 use crate::words::list;
 
 impl Model {
-    /// Reads a model from a `.toml` or `.urdf` file. Beside `robot.urdf`, `robot.legwork.toml` is read if it exists
-    /// ([`Model::from_urdf`] has its keys).
+    /// Reads a model from a `.toml`, a `.urdf` or an MJCF file (`.xml`, `.mjcf`). Beside `robot.urdf` or `robot.xml`,
+    /// `robot.legwork.toml` is read if it exists ([`Model::from_urdf`] has its keys). A file that ends on `.xml` may hold a
+    /// URDF too.
     ///
     /// # Errors
     /// If the file cannot be read ([`ModelError::is_io`]) or does not describe a possible robot.
@@ -42,12 +44,17 @@ impl Model {
         let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("").to_ascii_lowercase();
         match extension.as_str() {
             "toml" => read_toml(&read_text(path)?, &file, base),
-            "urdf" => {
+            "urdf" | "xml" | "mjcf" => {
                 let text = read_as(path, file::read_xml)?;
                 let beside = path.with_extension("legwork.toml");
                 let side_text = if beside.exists() { Some(read_text(&beside)?) } else { None };
                 let side_name = beside.display().to_string();
-                read_urdf(&text, &file, side_text.as_deref().map(|text| (text, side_name.as_str())), base)
+                let sidecar = side_text.as_deref().map(|text| (text, side_name.as_str()));
+                if extension == "urdf" || (extension == "xml" && is_urdf(&text)) {
+                    return read_urdf(&text, &file, sidecar, base);
+                }
+                let folder = path.parent().unwrap_or(Path::new(""));
+                read_mjcf(&text, &file, sidecar, base, &|name| file::read(&folder.join(name), file::MESH))
             }
             _ if path.is_dir() => read_text(path).and(Err(ModelError::UnknownKind { file })),
             _ => Err(ModelError::UnknownKind { file }),
@@ -124,6 +131,54 @@ impl Model {
     ) -> Result<(Model, Roles), ModelError> {
         read_urdf(text, file_name, sidecar, base)
     }
+
+    /// Reads a model from MJCF, the language of MuJoCo, with the side file `sidecar` (text, name) whose keys are those of
+    /// [`Model::from_urdf`]. `files` are the included files and the meshes that it names, each with its path from the
+    /// model's folder.
+    ///
+    /// A tree of bodies of the world is the robot, the one with joints; on a free joint its base is floating, otherwise
+    /// fixed. Bodies keep their names and frames and joints their coordinates: a body with several joints, or with one beside
+    /// its origin, is carried by bodies without mass. Mass and inertia are those of `<inertial>` or of the shapes, as the
+    /// compiler's settings say; STL and OBJ files are read where a mesh is to give them. A joint is driven that has an
+    /// actuator, all are where the file has no actuators; its effort limit is the least of gear times control range, gear
+    /// times force range and the joint's own range of forces. Sites are named frames, shapes are the [`Roles::geometry`].
+    ///
+    /// A warning tells of what is ignored, such as equality constraints, tendons and friction in joints.
+    ///
+    /// # Errors
+    /// If a text is malformed, a file is missing or the robot is not possible. The message names file, line and key.
+    pub fn from_mjcf(
+        text: &str,
+        file_name: &str,
+        sidecar: Option<(&str, &str)>,
+        base: Option<Base>,
+        files: &[(&str, &[u8])],
+    ) -> Result<Model, ModelError> {
+        Self::from_mjcf_with_roles(text, file_name, sidecar, base, files).map(|(model, _)| model)
+    }
+
+    /// As [`Model::from_mjcf`], with what else the texts say.
+    ///
+    /// # Errors
+    /// As [`Model::from_mjcf`].
+    pub fn from_mjcf_with_roles(
+        text: &str,
+        file_name: &str,
+        sidecar: Option<(&str, &str)>,
+        base: Option<Base>,
+        files: &[(&str, &[u8])],
+    ) -> Result<(Model, Roles), ModelError> {
+        let find = |name: &str| match files.iter().find(|(other, _)| *other == name) {
+            Some((_, bytes)) => Ok(bytes.to_vec()),
+            None => Err(file::Unread::Io(std::io::ErrorKind::NotFound.into())),
+        };
+        read_mjcf(text, file_name, sidecar, base, &find)
+    }
+}
+
+/// Whether a text that ends on `.xml` is a URDF.
+fn is_urdf(text: &str) -> bool {
+    text.contains("<robot") && !text.contains("<mujoco")
 }
 
 /// A whole text file.
@@ -139,7 +194,7 @@ fn read_as(path: &Path, reader: fn(&Path, u64) -> Result<String, Unread>) -> Res
             .into_iter()
             .flatten()
             .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
-            .filter(|name| name.ends_with(".toml") || name.ends_with(".urdf"))
+            .filter(|name| [".toml", ".urdf", ".xml", ".mjcf"].iter().any(|ending| name.ends_with(ending)))
             .collect();
         names.sort();
         let files = if names.is_empty() { String::new() } else { format!(": {}", list(names)) };

@@ -1,5 +1,7 @@
 //! What a model file says of the robot that the dynamics give no meaning.
 
+use crate::geometry::Geometry;
+
 /// The parts that a robot's torso and feet are, in the words of a model file: read and written, but neither judged nor
 /// kept in a [`Model`](crate::Model). legwork-contract makes a `Robot` of them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -12,6 +14,8 @@ pub struct Roles {
     pub feet: Option<Vec<String>>,
     /// The key `foot` of each contact point, in the order of [`Model::contacts`](crate::Model::contacts).
     pub foot: Vec<Option<String>>,
+    /// The shapes of its bodies, of a URDF or MJCF; they are not written to TOML.
+    pub geometry: Vec<Geometry>,
     /// The line of each contact point in the file, where known.
     pub lines: Vec<Option<usize>>,
 }

@@ -215,6 +215,7 @@ impl Dynamics {
                 continue;
             }
             let (column, ratio) = self.tree.coordinate(j);
+            self.mass_matrix[(column, column)] += model.dofs.get(j).map_or(0.0, |dof| dof.armature);
             let mut i = j;
             while i != NONE {
                 let (row, other) = self.tree.coordinate(i);

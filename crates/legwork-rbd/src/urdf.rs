@@ -24,31 +24,43 @@ use crate::words;
 /// `robot.legwork.toml` beside `robot.urdf`.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct SideFile {
-    base: Option<Base>,
-    torso: Option<String>,
-    gravity_mps2: Option<f64>,
-    base_pitch: Option<Table>,
-    feet: Option<Vec<String>>,
-    actuated: Option<Vec<String>>,
-    passive: Option<Vec<String>>,
+pub(crate) struct SideFile {
+    pub(crate) base: Option<Base>,
+    pub(crate) torso: Option<String>,
+    pub(crate) gravity_mps2: Option<f64>,
+    pub(crate) base_pitch: Option<Table>,
+    pub(crate) feet: Option<Vec<String>>,
+    pub(crate) actuated: Option<Vec<String>>,
+    pub(crate) passive: Option<Vec<String>>,
     #[serde(default)]
-    mimic: Mimic,
+    pub(crate) mimic: Mimic,
     #[serde(default)]
-    inertias: Inertias,
+    pub(crate) inertias: Inertias,
     #[serde(default)]
-    contacts: Vec<Spanned<ContactEntry>>,
+    pub(crate) contacts: Vec<Spanned<ContactEntry>>,
     #[serde(default)]
-    frames: Vec<Spanned<FrameEntry>>,
+    pub(crate) frames: Vec<Spanned<FrameEntry>>,
     /// By the joint's name: the numbers that a joint may have in TOML, in place of those of the URDF.
     #[serde(default)]
-    joints: BTreeMap<String, Spanned<Table>>,
+    pub(crate) joints: BTreeMap<String, Spanned<Table>>,
+}
+
+impl SideFile {
+    /// The base that it names, unless another one is asked for.
+    pub(crate) fn base_of(&self, asked: Option<Base>) -> Option<Base> {
+        asked.or(self.base)
+    }
+
+    /// Whether it leaves open which joints are driven.
+    pub(crate) fn says_no_actuators(&self) -> bool {
+        self.actuated.is_none() && self.passive.is_none()
+    }
 }
 
 /// What becomes of joints that mimic others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum Mimic {
+pub(crate) enum Mimic {
     /// They follow exactly and have no coordinate of their own.
     #[default]
     Coupled,
@@ -101,7 +113,13 @@ pub(crate) fn read_urdf(
         frames: frames.unwrap_or_default(),
         warnings: tree.warnings,
         inertias: side.inertias,
-        roles: Roles { file: side_name.to_owned(), torso: side.torso, feet: side.feet, ..Roles::default() },
+        roles: Roles {
+            file: side_name.to_owned(),
+            torso: side.torso,
+            feet: side.feet,
+            geometry: robot.links.into_iter().flat_map(|link| link.geometry).collect(),
+            ..Roles::default()
+        },
     };
     problems.none(file_name)?;
     description.build()
@@ -346,10 +364,10 @@ fn unmodelled(joint: &urdf_text::Joint, described: &JointDescription) -> Vec<Str
 }
 
 /// The joints that move, as indices of their bodies, by name.
-struct Moving(HashMap<String, usize>);
+pub(crate) struct Moving(HashMap<String, usize>);
 
 impl Moving {
-    fn of(bodies: &[BodyDescription]) -> Self {
+    pub(crate) fn of(bodies: &[BodyDescription]) -> Self {
         let mut moving = HashMap::new();
         for (index, body) in bodies.iter().enumerate().filter(|(_, body)| body.joint.has_a_coordinate()) {
             moving.entry(body.joint.name.clone()).or_insert(index);
@@ -365,7 +383,7 @@ impl Moving {
     }
 }
 
-fn mark_actuated(
+pub(crate) fn mark_actuated(
     bodies: &mut [BodyDescription],
     moving: &Moving,
     side: &SideFile,
@@ -389,7 +407,7 @@ fn mark_actuated(
     Ok(())
 }
 
-fn set_numbers(
+pub(crate) fn set_numbers(
     bodies: &mut [BodyDescription],
     moving: &Moving,
     joints: &BTreeMap<String, Spanned<Table>>,

@@ -5,10 +5,11 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::description::Leader;
 use crate::error::{ModelError, Problems};
+use crate::geometry::{Geometry, Shape};
 use crate::joints::rotation_from_quaternion;
 use crate::read::Source;
 use crate::spatial::{Placement, rotation_from_rpy};
-use crate::xml::{Element, Ignored, Unparsed, lenient, parse};
+use crate::xml::{Element, Ignored, URDF, lenient, mended, parse};
 
 pub(crate) struct Robot {
     pub(crate) name: String,
@@ -33,6 +34,8 @@ pub(crate) struct Link {
     pub(crate) name: String,
     pub(crate) line: Option<usize>,
     pub(crate) inertial: Option<Inertial>,
+    /// Of its `<collision>` elements.
+    pub(crate) geometry: Vec<Geometry>,
 }
 
 pub(crate) struct Inertial {
@@ -79,18 +82,8 @@ impl Robot {
     /// # Errors
     /// The text is no URDF.
     pub(crate) fn read(text: &str, source: &Source, problems: &mut Problems) -> Result<Self, ModelError> {
-        let mut text = lenient(text);
-        let mut warnings = Vec::new();
-        let document = loop {
-            match parse(&text, source) {
-                Ok(document) => break document,
-                Err(Unparsed::Mended { text: mended, warning }) => {
-                    text = mended.into();
-                    warnings.push(warning);
-                }
-                Err(Unparsed::Refused(error)) => return Err(error),
-            }
-        };
+        let (text, mut warnings) = mended(&lenient(text));
+        let document = parse(&text, source, &URDF)?;
         let root = Element::root(&document, source);
         let mut notes = Notes::default();
         // The others are pictures, simulators and controllers.
@@ -135,7 +128,35 @@ impl Robot {
             let inertial = self.inertial(inertial, notes);
             notes.problems.keep(inertial)
         });
-        Ok(Link { name: name.to_owned(), line: element.line(), inertial })
+        let collisions = element.children().filter(|child| child.name() == "collision");
+        // What dynamics need not is no reason to refuse a robot.
+        let geometry = collisions.filter_map(|collision| self.collision(name, collision).ok().flatten()).collect();
+        Ok(Link { name: name.to_owned(), line: element.line(), inertial, geometry })
+    }
+
+    /// The shape of a `<collision>`, of one that is known.
+    fn collision(&self, link: &str, element: Element) -> Result<Option<Geometry>, ModelError> {
+        let geometry = element.needed("geometry")?;
+        let Some(shape) = geometry.children().next() else { return Ok(None) };
+        let half = |key: &str| Ok::<_, ModelError>(shape.needed_number(key)? / 2.0);
+        let found = match shape.name() {
+            "box" => Shape::Box { half_sizes: Vector3::from(shape.needed_numbers("size")?) / 2.0 },
+            "sphere" => Shape::Sphere { radius: shape.needed_number("radius")? },
+            "cylinder" => Shape::Cylinder { radius: shape.needed_number("radius")?, half_length: half("length")? },
+            "capsule" => Shape::Capsule { radius: shape.needed_number("radius")?, half_length: half("length")? },
+            "mesh" => {
+                let scale = Vector3::from(shape.numbers("scale")?.unwrap_or([1.0; 3]));
+                Shape::Mesh { file: shape.text("filename")?.to_owned(), scale }
+            }
+            _ => return Ok(None),
+        };
+        Ok(Some(Geometry {
+            name: element.get("name").unwrap_or_default().to_owned(),
+            body: link.to_owned(),
+            placement: self.origin(&element, &mut Notes::default())?,
+            shape: found,
+            collides: true,
+        }))
     }
 
     fn inertial(&self, element: Element, notes: &mut Notes) -> Result<Inertial, ModelError> {

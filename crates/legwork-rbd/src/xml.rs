@@ -1,4 +1,4 @@
-//! The elements of a URDF and their attributes, each with its place in the text.
+//! The elements of a URDF or an MJCF and their attributes, each with its place in the text.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -9,8 +9,23 @@ use crate::error::ModelError;
 use crate::read::Source;
 use crate::words::{list, one_line, quoted};
 
+/// A language of robots in XML.
+pub(crate) struct Language {
+    name: &'static str,
+    /// What the outermost element is called; the first name is that of a robot's own file.
+    roots: &'static [&'static str],
+    holds: &'static str,
+    /// How deep elements may be nested.
+    depth: usize,
+}
+
 /// Elements of a link's material are nested 5 deep, those of a simulator's plugin little deeper.
-const MAX_DEPTH: usize = 100;
+pub(crate) const URDF: Language =
+    Language { name: "URDF", roots: &["robot"], holds: "<robot> with links and joints", depth: 100 };
+
+/// Bodies are nested as deep as a robot's longest chain.
+pub(crate) const MJCF: Language =
+    Language { name: "MJCF", roots: &["mujoco", "mujocoinclude"], holds: "<mujoco> with a <worldbody>", depth: 1000 };
 
 const XACRO: &str = "holds xacro macros; expand them first (xacro robot.xacro > robot.urdf)";
 
@@ -26,96 +41,107 @@ pub(crate) fn lenient(text: &str) -> Cow<'_, str> {
     Cow::Owned(format!("{}{blank}{}", &text[..start], &text[end..]))
 }
 
-/// Why a text is not parsed as it stands.
-pub(crate) enum Unparsed {
-    /// What other readers of URDF let pass is mended in this text, which may hold more of it.
-    Mended {
-        /// With as many lines.
-        text: String,
-        /// What was mended, in a sentence.
-        warning: String,
-    },
-    /// It is no URDF.
-    Refused(ModelError),
+/// The text without what other readers of URDF let pass, and what was mended, one sentence each: a prefix that nothing declares is declared,
+/// and of two attributes with one name the second is taken out.
+pub(crate) fn mended(text: &str) -> (String, Vec<String>) {
+    let (mut text, mut warnings) = (text.to_owned(), Vec::new());
+    while let Some((mended, warning)) = Document::parse(&text).err().and_then(|error| without(&error, &text)) {
+        text = mended;
+        warnings.push(warning);
+    }
+    (text, warnings)
 }
 
-impl From<ModelError> for Unparsed {
-    fn from(error: ModelError) -> Self {
-        Self::Refused(error)
-    }
-}
-
-/// The elements of a text that holds a robot.
-pub(crate) fn parse<'a>(text: &'a str, source: &Source) -> Result<Document<'a>, Unparsed> {
-    if text.trim().is_empty() {
-        return Err(source.syntax(None, "is empty; it should hold a <robot> with links and joints").into());
-    }
-    if !text.contains("<robot") {
-        return Err(source.syntax(None, "no <robot> element; this is not URDF").into());
-    }
-    let document = Document::parse(text)
-        .map_err(|error| mended(&error, text).unwrap_or_else(|| unreadable(&error, text, source).into()))?;
-    let mut depths = Vec::new();
-    for node in document.descendants() {
-        let depth = node.parent().map_or(0, |parent| 1 + depths[parent.id().get_usize()]);
-        depths.push(depth);
-        let line = || source.line(node.range().start);
-        if depth > MAX_DEPTH {
-            let message = format!("elements are nested more than {MAX_DEPTH} deep, which no URDF needs");
-            return Err(source.syntax(line(), message).into());
-        }
-        if node.is_element() && written_name(node).starts_with("xacro:") {
-            return Err(source.syntax(line(), XACRO).into());
-        }
-    }
-    let root = document.root_element();
-    if written_name(root) != "robot" {
-        let message = format!("the outermost element is <{}>; that of a URDF is <robot>", written_name(root));
-        return Err(source.syntax(source.line(root.range().start), message).into());
-    }
-    Ok(document)
-}
-
-/// The text without what `error` found, where it can be mended: a prefix that nothing declares is declared, and of two
-/// attributes with one name the second is taken out.
-fn mended(error: &Error, text: &str) -> Option<Unparsed> {
+/// The text without what `error` found, and a sentence that tells of it.
+fn without(error: &Error, text: &str) -> Option<(String, String)> {
     let line = error.pos().row;
     match error {
         Error::UnknownNamespace(prefix, _) if prefix != "xacro" => {
             let at = text.find("<robot")? + "<robot".len();
-            let text = format!("{} xmlns:{prefix}=\"{prefix}\"{}", &text[..at], &text[at..]);
             let warning = format!("line {line}: the prefix of {prefix}:… is not declared; what has it is ignored");
-            Some(Unparsed::Mended { text, warning })
+            Some((format!("{} xmlns:{prefix}=\"{prefix}\"{}", &text[..at], &text[at..]), warning))
         }
         Error::DuplicatedAttribute(name, position) => {
             let begin: usize = text.split_inclusive('\n').take(position.row as usize - 1).map(str::len).sum();
-            let line_text = &text[begin..];
-            let column = line_text.char_indices().nth(position.col as usize - 1)?.0;
-            let at = begin + column;
+            let at = begin + text[begin..].char_indices().nth(position.col as usize - 1)?.0;
             let value = at + text[at..].find(['"', '\''])?;
             let quote = text[value..].chars().next()?;
             let end = value + 1 + text[value + 1..].find(quote)? + 1;
             let blank: String = text[at..end].chars().map(|c| if c == '\n' { '\n' } else { ' ' }).collect();
-            let text = format!("{}{blank}{}", &text[..at], &text[end..]);
             let warning = format!("line {line}: a second {name} in one element is ignored");
-            Some(Unparsed::Mended { text, warning })
+            Some((format!("{}{blank}{}", &text[..at], &text[end..]), warning))
         }
         _ => None,
     }
 }
 
-fn unreadable(error: &Error, text: &str, source: &Source) -> ModelError {
-    let line = Some(error.pos().row as usize);
+/// The text with blanks for its comments, which may hold what XML forbids there, and for an XML declaration as in [`lenient`].
+pub(crate) fn without_comments(text: &str) -> Cow<'_, str> {
+    if !text.contains("<!--") {
+        return lenient(text);
+    }
+    let (mut out, mut rest) = (String::with_capacity(text.len()), text);
+    while let Some((start, length)) =
+        rest.find("<!--").and_then(|start| Some((start, rest[start + 4..].find("-->")? + 7)))
+    {
+        out += &rest[..start];
+        // Byte for byte, so that places stay where they are.
+        out.extend(rest[start..start + length].bytes().map(|byte| if byte == b'\n' { '\n' } else { ' ' }));
+        rest = &rest[start + length..];
+    }
+    out += rest;
+    Cow::Owned(lenient(&out).into_owned())
+}
+
+/// The elements of a text that holds a robot.
+pub(crate) fn parse<'a>(text: &'a str, source: &Source, language: &Language) -> Result<Document<'a>, ModelError> {
+    let Language { name, roots, holds, depth: most } = language;
+    if text.trim().is_empty() {
+        return Err(source.syntax(None, format!("is empty; it should hold a {holds}")));
+    }
+    if !roots.iter().any(|root| text.contains(&format!("<{root}"))) {
+        return Err(source.syntax(None, format!("no <{}> element; this is not {name}", roots[0])));
+    }
+    let document = Document::parse(text).map_err(|error| unreadable(&error, text, source, language))?;
+    let mut depths = Vec::new();
+    for node in document.descendants() {
+        let depth = node.parent().map_or(0, |parent| 1 + depths[parent.id().get_usize()]);
+        depths.push(depth);
+        let line = || source.line(node.range().start);
+        if depth > *most {
+            let message = format!("elements are nested more than {most} deep, which no {name} needs");
+            return Err(source.syntax(line(), message));
+        }
+        if node.is_element() && written_name(node).starts_with("xacro:") {
+            return Err(source.syntax(line(), XACRO));
+        }
+    }
+    let root = document.root_element();
+    if !roots.contains(&written_name(root)) {
+        let found = written_name(root);
+        let message = format!("the outermost element is <{found}>; that of a {name} is <{}>", roots[0]);
+        return Err(source.syntax(source.line(root.range().start), message));
+    }
+    Ok(document)
+}
+
+fn unreadable(error: &Error, text: &str, source: &Source, language: &Language) -> ModelError {
+    let (line, name) = (Some(error.pos().row as usize), language.name);
     match error {
-        Error::UnknownNamespace(..) => source.syntax(line, XACRO),
+        Error::UnknownNamespace(prefix, _) if prefix == "xacro" => source.syntax(line, XACRO),
+        Error::UnknownNamespace(prefix, _) => {
+            let root = language.roots[0];
+            let message = format!("the prefix of {prefix}:… is not declared; add xmlns:{prefix}=\"…\" to <{root}>");
+            source.syntax(line, message)
+        }
         Error::DtdDetected => {
             let line = text.find("<!DOCTYPE").and_then(|at| source.line(at));
             source.syntax(line, "holds a document type (<!DOCTYPE …>), which is not read; take it out")
         }
         Error::UnclosedRootNode | Error::UnexpectedEndOfStream => {
-            source.syntax(None, "cannot be read as URDF: the text ends within an element")
+            source.syntax(None, format!("cannot be read as {name}: the text ends within an element"))
         }
-        _ => source.syntax(line, format!("cannot be read as URDF: {error}")),
+        _ => source.syntax(line, format!("cannot be read as {name}: {error}")),
     }
 }
 
@@ -179,6 +205,16 @@ impl<'a> Element<'a> {
     fn attributes(&self) -> impl Iterator<Item = Attribute<'a, 'a>> {
         // One with a prefix is someone's extension.
         self.node.attributes().filter(|attribute| attribute.namespace().is_none())
+    }
+
+    /// The text of an attribute.
+    pub(crate) fn get(&self, key: &str) -> Option<&'a str> {
+        self.attribute(key).map(|attribute| attribute.value())
+    }
+
+    /// That the attribute's text is not what is needed.
+    pub(crate) fn refused_at(&self, key: &str, needed: &str) -> ModelError {
+        self.attribute(key).map_or_else(|| self.missing(key), |attribute| self.refused(&attribute, needed))
     }
 
     fn attribute(&self, key: &str) -> Option<Attribute<'a, 'a>> {

@@ -68,6 +68,11 @@ fn pendulum() -> Model {
     Model::from_toml(include_str!("data/double_pendulum.toml"), "double_pendulum.toml").unwrap()
 }
 
+fn with_rotors(mut model: Model) -> Model {
+    model.dofs[6..].iter_mut().for_each(|dof| dof.armature = 0.05);
+    model
+}
+
 #[test]
 fn runge_kutta_converges_with_its_order() {
     for model in [pendulum(), common::planar_humanoid(), common::biped18()] {
@@ -81,7 +86,7 @@ fn runge_kutta_converges_with_its_order() {
 
 #[test]
 fn energy_is_conserved_and_its_error_falls_with_the_order() {
-    for model in [pendulum(), common::planar_humanoid(), common::biped18()] {
+    for model in [pendulum(), common::planar_humanoid(), common::biped18(), with_rotors(common::biped18())] {
         let start = start(&model, 4);
         let energy = |state: &State| {
             let dynamics = at(&model, state);

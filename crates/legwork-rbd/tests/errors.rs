@@ -335,7 +335,7 @@ fn files_on_disk() {
     let latin = load("latin.toml", b"name = \"Sch\xfctze\"").unwrap_err();
     assert!(!latin.is_io());
     says(&latin.to_string(), &["latin.toml: not UTF-8 text: found the byte 0xfc in line 1, column 12"]);
-    says(&load("robot.sdf", b"").unwrap_err().to_string(), &["unknown kind of file", ".toml and .urdf"]);
+    says(&load("robot.sdf", b"").unwrap_err().to_string(), &["unknown kind of file", ".toml, .urdf, .xml and .mjcf"]);
     says(&load("robot", b"").unwrap_err().to_string(), &["unknown kind of file"]);
     assert!(!load("empty.urdf", b"").unwrap_err().is_io());
 

@@ -1,6 +1,7 @@
 //! What a URDF is read as, and in which words it is refused or warned of: with line, link or joint, and key.
 
-use legwork_rbd::{Base, Dynamics, Model};
+use legwork_rbd::{Base, Dynamics, Model, Shape};
+use nalgebra::Vector3;
 
 const ROBOT: &str = r#"<robot name="r">
   <link name="a">
@@ -51,6 +52,35 @@ fn warned(from: &str, to: &str, warnings: &[&str]) {
     let model = read(&edited(&[(from, to)])).unwrap();
     assert_eq!(model.warnings(), warnings);
     assert_eq!(model.to_toml(), read(ROBOT).unwrap().to_toml());
+}
+
+#[test]
+fn shapes_that_touch_are_handed_on_and_broken_ones_left_out() {
+    let collision = |name: &str, shape: &str| {
+        format!("<collision name=\"{name}\"><origin xyz=\"0 0 -0.1\"/><geometry>{shape}</geometry></collision>")
+    };
+    let shapes = [
+        collision("sole", "<box size=\"0.2 0.1 0.04\"/>"),
+        collision("ball", "<sphere radius=\"0.1\"/>"),
+        collision("rod", "<cylinder radius=\"0.1\" length=\"0.5\"/>"),
+        collision("broken", "<box size=\"0.2 0.1\"/>"),
+        collision("picture", "<mesh filename=\"package://a/b.stl\"/>"),
+        "<collision/><collision><geometry/></collision><visual><geometry><sphere/></geometry></visual>".to_owned(),
+    ];
+    let text = edited(&[("<link name=\"b\">", &format!("<link name=\"b\">{}", shapes.concat()))]);
+    let (model, roles) = Model::from_urdf_with_roles(&text, "r.urdf", None, None).unwrap();
+    assert!(model.warnings().is_empty(), "{:?}", model.warnings());
+    let expected = [
+        ("sole", Shape::Box { half_sizes: Vector3::new(0.1, 0.05, 0.02) }),
+        ("ball", Shape::Sphere { radius: 0.1 }),
+        ("rod", Shape::Cylinder { radius: 0.1, half_length: 0.25 }),
+        ("picture", Shape::Mesh { file: "package://a/b.stl".to_owned(), scale: Vector3::repeat(1.0) }),
+    ];
+    let found: Vec<_> = roles.geometry.iter().map(|shape| (shape.name.as_str(), shape.shape.clone())).collect();
+    assert_eq!(found, expected);
+    assert!(
+        roles.geometry.iter().all(|shape| shape.body == "b" && shape.collides && shape.placement.translation.z == -0.1)
+    );
 }
 
 #[test]

@@ -218,7 +218,7 @@ fn a_file_of_another_kind_is_called_by_its_name() {
         ("exo.urdf", "a robot model", "`legwork run SCENARIO --set model=exo.urdf` simulates it"),
         (
             "exo.legwork.toml",
-            "the side file of a robot's URDF",
+            "the side file of a robot's URDF or MJCF",
             "`legwork run SCENARIO --set model=exo.urdf` simulates it",
         ),
         ("mine.toml", "a scenario", "`legwork run mine.toml` runs it"),
@@ -237,7 +237,7 @@ fn a_file_of_another_kind_is_called_by_its_name() {
         folder.refuses(2, &["inspect", file], &[&says]);
         folder.refuses(2, &["run", "walk", "--set", &robot(file)], &[&says]);
     }
-    let side = "exo.legwork.toml: found the side file of a robot's URDF, expected a robot model; \
+    let side = "exo.legwork.toml: found the side file of a robot's URDF or MJCF, expected a robot model; \
                 it is read with exo.urdf, which is to be named";
     folder.refuses(2, &["inspect", "exo.legwork.toml"], &[side]);
     folder.refuses(2, &["run", "exo-sway", "--set", &robot("exo.legwork.toml")], &[side]);

@@ -117,7 +117,11 @@ fn files_that_are_empty_cut_or_no_text() {
         folder.refuses(2, &["inspect", "robot.toml"], &["robot.toml:"]);
     }
     folder.file("robot.obj", "v 0 0 0");
-    folder.refuses(2, &["inspect", "robot.obj"], &["robot.obj: unknown kind of file; valid are .toml and .urdf"]);
+    folder.refuses(
+        2,
+        &["inspect", "robot.obj"],
+        &["robot.obj: unknown kind of file; valid are .toml, .urdf, .xml and .mjcf"],
+    );
 }
 
 #[test]

@@ -18,6 +18,7 @@ const KEYS: &[Key] = &[
     key("max_velocity_mps", |dof| &mut dof.velocity_limit, Form::Finite),
     key("max_force_n", |dof| &mut dof.effort_limit, Form::Finite),
     key("damping_nspm", |dof| &mut dof.damping, Form::Finite),
+    key("armature_kg", |dof| &mut dof.armature, Form::NonZero),
     key("spring_npm", |dof| &mut dof.stiffness, Form::NonZero),
     key("rest_m", |dof| &mut dof.rest, Form::NonZero),
     key("stop_npm", |dof| &mut dof.stop_stiffness, Form::NonZero),

@@ -20,6 +20,7 @@ const KEYS: &[Key] = &[
     key("max_velocity_radps", |dof| &mut dof.velocity_limit, Form::Finite),
     key("max_torque_nm", |dof| &mut dof.effort_limit, Form::Finite),
     key("damping_nmspr", |dof| &mut dof.damping, Form::Finite),
+    key("armature_kgm2", |dof| &mut dof.armature, Form::NonZero),
     key("spring_nmpr", |dof| &mut dof.stiffness, Form::NonZero),
     key("rest_deg", |dof| &mut dof.rest, Form::Degrees),
     key("rest_rad", |dof| &mut dof.rest, Form::NonZero),

@@ -30,7 +30,7 @@ pub struct Scenario {
     pub name: String,
     /// What it shows, in a sentence.
     pub description: String,
-    /// A built-in model's name, or a TOML or URDF file.
+    /// A built-in model's name, or a TOML, URDF or MJCF file.
     pub model: String,
     /// Simulated time [s].
     pub duration_s: f64,

@@ -82,7 +82,7 @@ impl Setting {
 pub const SETTINGS: &[Setting] = &[
     setting("name", Valid::Text, OURS, "Name of the scenario; a file that gives none is called after itself."),
     setting("description", Valid::Text, OURS, "What the scenario shows, in a sentence."),
-    setting("model", Valid::Text, OURS, "Name of a built-in model, or path of a TOML or URDF file."),
+    setting("model", Valid::Text, OURS, "Name of a built-in model, or path of a TOML, URDF or MJCF file."),
     number("duration_s", "s", [1e-3, 1e6], OURS, "Simulated time."),
     setting(
         "seed",
