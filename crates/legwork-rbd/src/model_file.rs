@@ -1,5 +1,7 @@
 //! The TOML model format: its keys, each with its unit.
 
+use std::collections::BTreeMap;
+
 use serde::de::{MapAccess, Visitor, value::MapAccessDeserializer};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toml::Spanned;
@@ -20,11 +22,14 @@ pub(crate) struct ModelFile {
     /// Limits of the root link's angle in the plane.
     pub(crate) base_pitch: Option<Table>,
     pub(crate) feet: Option<Vec<String>>,
+    pub(crate) forward: Option<[f64; 3]>,
     pub(crate) bodies: Vec<Spanned<BodyEntry>>,
     #[serde(default)]
     pub(crate) contacts: Vec<Spanned<ContactEntry>>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) frames: Vec<Spanned<FrameEntry>>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) postures: BTreeMap<String, BTreeMap<String, f64>>,
 }
 
 #[derive(Deserialize, Serialize)]

@@ -30,6 +30,9 @@ struct SideFile {
     gravity_mps2: Option<f64>,
     base_pitch: Option<Table>,
     feet: Option<Vec<String>>,
+    forward: Option<[f64; 3]>,
+    #[serde(default)]
+    postures: BTreeMap<String, BTreeMap<String, f64>>,
     actuated: Option<Vec<String>>,
     passive: Option<Vec<String>>,
     #[serde(default)]
@@ -76,7 +79,14 @@ pub(crate) fn read_urdf(
         contacts: contacts(&side.contacts, &side_source)?,
         frames: frames(&side.frames, &side_source)?,
         warnings,
-        roles: Roles { file: side_name.to_owned(), torso: side.torso, feet: side.feet, ..Roles::default() },
+        roles: Roles {
+            file: side_name.to_owned(),
+            torso: side.torso,
+            feet: side.feet,
+            forward: side.forward,
+            postures: side.postures,
+            ..Roles::default()
+        },
     }
     .build()
 }

@@ -33,6 +33,7 @@ impl Model {
             torso: roles.torso.clone(),
             base_pitch: pitch.map(|pitch| numbers(pitch, Revolute::LIMITS)),
             feet: roles.feet.clone(),
+            forward: roles.forward,
             bodies: self.bodies[root..].iter().map(|body| spanned(self.body_entry(body))).collect(),
             contacts: self
                 .contacts
@@ -60,6 +61,7 @@ impl Model {
                     })
                 })
                 .collect(),
+            postures: roles.postures.clone(),
         };
         toml::to_string(&file).expect("strings, numbers and lists can be written as TOML")
     }

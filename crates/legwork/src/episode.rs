@@ -19,8 +19,9 @@ use crate::log::Log;
 use crate::metrics::{Measuring, Metrics};
 use crate::momentum::{Condition, Fallback, Limit, Task};
 use crate::record;
+use crate::redundancy::free_joints;
 use crate::robot::Robot;
-use crate::scenario::{ControllerKind, Scenario};
+use crate::scenario::{ControllerKind, PostureTracking, Scenario};
 use crate::settings;
 use crate::sim::audit::Audit;
 use crate::sim::sensors::Sensors;
@@ -601,11 +602,13 @@ pub fn input_hash(scenario: &Scenario, model: &Robot, samples: &[[f64; 3]]) -> u
     scenario.reference.com.file.clear();
     let mut hasher = xxhash_rust::xxh3::Xxh3::new();
     hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
-    let mut tree = settings::in_use(&scenario);
-    // Ground that is level across is the ground that there was before this could be said.
-    if scenario.ground.cross_slope_deg == 0.0 {
-        settings::remove(&mut tree, "ground.cross_slope_deg");
+    // Where nothing is free, nothing holds it.
+    let posture = &mut scenario.controller.tracking.posture;
+    if *posture == PostureTracking::Free && free_joints(model).is_empty() {
+        *posture = PostureTracking::Off;
     }
+    let mut tree = settings::in_use(&scenario);
+    settings::remove_later(&mut tree);
     hasher.update(tree.to_string().as_bytes());
     hasher.update(model.to_toml().as_bytes());
     for value in samples.as_flattened() {

@@ -13,6 +13,7 @@ use crate::contract::Sensed;
 use crate::error::Error;
 use crate::generator::{self, Generator, Observation, Surroundings};
 use crate::momentum::MomentumController;
+use crate::posture;
 use crate::robot::Robot;
 use crate::sim::Simulator;
 use crate::terrain::Terrain;
@@ -115,6 +116,8 @@ pub struct Start {
     pub com_height_m: f64,
     /// Torso angle, counter-clockwise from upright [deg].
     pub torso_angle_deg: f64,
+    /// Near which it is.
+    pub posture: Posture,
 }
 
 /// When the robot counts as fallen; see [`crate::diagnosis`].
@@ -234,6 +237,7 @@ impl Default for Scenario {
                 com_x_m: 0.27025,
                 com_height_m: 0.885,
                 torso_angle_deg: -1.676873,
+                posture: Posture::Named(posture::NEUTRAL.to_owned()),
             },
             ground: Ground::default(),
             reference: ReferenceSettings::default(),

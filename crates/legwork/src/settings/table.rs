@@ -141,6 +141,12 @@ pub const SETTINGS: &[Setting] = &[
         FITTED,
         "Torso angle at the start, counter-clockwise: leaning forward is negative.",
     ),
+    setting(
+        "start.posture",
+        Valid::Posture,
+        OURS,
+        "Posture near which the start pose is sought, of the joints that feet, centre of mass and torso leave free: \"neutral\", where joints are at zero or at the near end of their range; one that the robot's file names; or positions by joint, the others neutral.",
+    ),
     //
     number("ground.friction", "", FRICTION, FITTED, "Coefficient of friction of the ground.").called("mu"),
     number("ground.slope_deg", "deg", SLOPE, "thesis, flat ground", "Slope of the ground, upward in x.")
@@ -619,12 +625,18 @@ pub const SETTINGS: &[Setting] = &[
         "Gain from an error of the torso's angle to the torso's angular acceleration.",
     )
     .called("P_a"),
-    number(
+    setting(
         "controller.planner.posture_gain",
-        "1/s²",
-        GAIN,
+        Valid::ByJoint { min: GAIN[0], max: GAIN[1] },
         OURS,
-        "Gain from an error of a joint's position to the joint's acceleration, in the posture task.",
+        "Gain from an error of a joint's position to the joint's acceleration, in the posture task; in a table, joints without a number have 45.",
+    )
+    .measured_in("1/s²"),
+    setting(
+        "controller.planner.posture",
+        Valid::Posture,
+        OURS,
+        "Posture that the posture task holds: \"start\", that of the first tick; \"neutral\"; one that the robot's file names; or positions by joint, the others as in the first tick.",
     ),
     choice(
         "controller.planner.damping",
@@ -705,12 +717,11 @@ pub const SETTINGS: &[Setting] = &[
         OURS,
         "Gain from the square of the torso's wanted acceleration to the growth of the torso's weight.",
     ),
-    number(
+    setting(
         "controller.weights.posture",
-        "",
-        WEIGHT,
+        Valid::ByJoint { min: WEIGHT[0], max: WEIGHT[1] },
         OURS,
-        "Weight of the joint accelerations toward the posture of the first tick.",
+        "Weight of the joint accelerations toward the posture; in a table, joints without a number have 1.",
     ),
     number(
         "controller.weights.braking",
@@ -725,9 +736,9 @@ pub const SETTINGS: &[Setting] = &[
     choice("controller.tracking.torso", TRACKING, "thesis (4.20)", "How the torso is tracked."),
     choice(
         "controller.tracking.posture",
-        &["off", "cost", "equality"],
+        &["off", "free", "cost", "equality"],
         OURS,
-        "How the actuated joints track the posture of the first tick, if they do.",
+        "How actuated joints are held in the posture, if they are: with \"free\" in the cost, those that feet, torso and centre of mass leave free (arms, neck, waist, legs of more than six joints); else all of them.",
     ),
     //
     number("controller.limits.torque_nm", "Nm", [0.1, 1e5], FINAL, "Largest joint torque."),
