@@ -29,7 +29,7 @@ impl Posture {
     /// The position that it gives to each velocity coordinate of `robot` [rad, m]; none where it gives none.
     ///
     /// # Errors
-    /// In words: there is no such posture, or a name is none of an actuated joint.
+    /// In words: there is no such posture, or a name is none of a joint.
     pub fn positions(&self, robot: &Robot) -> Result<Vec<Option<f64>>, String> {
         let joints = match self {
             Self::Named(name) if name == NEUTRAL => return Ok(neutral(robot).into_iter().map(Some).collect()),
@@ -78,7 +78,7 @@ impl ByJoint {
     /// Whether all names are those of joints of `robot`.
     ///
     /// # Errors
-    /// In words: a name is none of an actuated joint.
+    /// In words: a name is none of a joint.
     pub fn check(&self, robot: &Robot) -> Result<(), String> {
         match self {
             Self::All(_) => Ok(()),
@@ -94,15 +94,15 @@ fn entry(entries: &BTreeMap<String, f64>, name: &str) -> Option<f64> {
     entries.get(name).copied().or_else(|| matching().map(|(_, number)| *number))
 }
 
-/// Whether each of `patterns` is the name of an actuated joint of `robot`, or matches one.
+/// Whether each of `patterns` is the name of a joint of `robot`, or matches one; of joints that are locked, too.
 ///
 /// # Errors
 /// In words: which is not, and which joints there are.
 pub fn check_names(robot: &Robot, patterns: impl IntoIterator<Item = impl AsRef<str>>) -> Result<(), String> {
-    let joints = || robot.actuated().map(|dof| &robot.dofs[dof].name);
     for pattern in patterns {
-        if !joints().any(|name| matches(pattern.as_ref(), name)) {
-            return Err(format!("no joint is called {}; valid are {}", quoted(pattern.as_ref()), list(joints())));
+        if !robot.bodies.iter().any(|body| matches(pattern.as_ref(), &body.joint_name)) {
+            let joints = robot.actuated().map(|dof| &robot.dofs[dof].name);
+            return Err(format!("no joint is called {}; valid are {}", quoted(pattern.as_ref()), list(joints)));
         }
     }
     Ok(())

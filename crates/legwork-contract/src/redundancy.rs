@@ -24,6 +24,13 @@ pub fn free_joints(robot: &Robot) -> Vec<usize> {
     robot.actuated().filter(|&dof| !needed(dof)).collect()
 }
 
+/// The bodies of a leg, from the hip to the foot: those on the way from the torso to a foot that lead to no other, with joints that move.
+pub fn leg(robot: &Robot, foot: usize) -> Vec<usize> {
+    let ways: Vec<Vec<bool>> = (0..robot.feet.len()).map(|foot| way(robot, foot)).collect();
+    let own = |body: &usize| (0..ways.len()).all(|other| ways[other][*body] == (other == foot));
+    (0..robot.bodies.len()).filter(own).filter(|&body| robot.bodies[body].joint.nv() > 0).collect()
+}
+
 /// For each body, whether its joint is on the way from the torso to a foot.
 fn way(robot: &Robot, foot: usize) -> Vec<bool> {
     let mut on = vec![false; robot.bodies.len()];

@@ -70,6 +70,7 @@ mod spatial;
 mod table;
 mod urdf;
 mod urdf_text;
+mod weld;
 pub mod words;
 mod write;
 mod xml;

@@ -13,6 +13,7 @@ use crate::control::{Controller, HoldController};
 use crate::diagnosis::{self, Diagnosis, Fall};
 use crate::error::Error;
 use crate::feet::FeetMotion;
+use crate::fit::fitted;
 use crate::generator::{Generator, check_feet, check_model};
 use crate::joint_limits::JointLimits;
 use crate::log::Log;
@@ -219,6 +220,8 @@ impl Episode {
     /// # Errors
     /// Those of [`Episode::new`]; a physics whose state is none of the robot's, or two channels of one name.
     pub fn with(scenario: &Scenario, model: &Robot, parts: Parts) -> Result<Self, Error> {
+        let scenario = &fitted(scenario, model)?;
+        check_joints(scenario, model)?;
         let momentum = parts.controller.is_none() && scenario.controller.kind == ControllerKind::Momentum;
         match parts.generator {
             None if momentum => check_model(model, scenario.reference.generator)?,
@@ -555,6 +558,17 @@ impl Episode {
             log: self.log,
         })
     }
+}
+
+/// Whether the settings by joint name joints of `model`.
+fn check_joints(scenario: &Scenario, model: &Robot) -> Result<(), Error> {
+    let controller = &scenario.controller;
+    let checks = [
+        ("controller.weights.posture", controller.weights.posture.check(model)),
+        ("controller.planner.posture_gain", controller.planner.posture_gain.check(model)),
+        ("controller.planner.posture", controller.planner.posture.positions(model).map(|_| ())),
+    ];
+    checks.into_iter().try_for_each(|(path, check)| check.map_err(|problem| Error::invalid(path, problem)))
 }
 
 /// Dynamics of the true state: the episode's `own`, or those of the `plant`.

@@ -20,6 +20,7 @@ pub mod balance;
 pub mod clock;
 pub mod diagnosis;
 pub mod episode;
+pub mod fit;
 mod joint_limits;
 pub mod library;
 pub mod log;

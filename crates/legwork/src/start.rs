@@ -8,6 +8,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::error::Error;
 use crate::feet::{FeetMotion, Sole, pitched, rotation_error};
+use crate::fit::Fit;
 use crate::generator::check_feet;
 use crate::posture::neutral;
 use crate::redundancy::free_joints;
@@ -31,7 +32,10 @@ const MIXED: u32 = 40;
 pub fn start_pose(scenario: &Scenario, model: &Robot, ground: &Terrain) -> Result<DVector<f64>, Error> {
     check_feet(model)?;
     let start = &scenario.start;
-    let (stature, shift) = (scenario.wearer.stature(), Build::beyond(&scenario.wearer, model).com());
+    let (stature, shift) = match scenario.fit {
+        Fit::None => (scenario.wearer.stature(), Build::beyond(&scenario.wearer, model).com()),
+        _ => (1.0, 0.0),
+    };
     let on_ground = |x: f64, y: f64| Vector3::new(stature * x, y, ground.height_at(stature * x, y));
     let sole = Sole::of(model);
     let half = 0.5 * (sole.toe - sole.heel);

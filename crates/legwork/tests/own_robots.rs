@@ -208,3 +208,26 @@ fn which_way_a_robot_faces_can_be_said_and_is_doubted_where_its_heels_come_first
     let again = Robot::from_toml(&said.to_toml(), "again.toml").expect("it was written");
     assert_eq!(again.facing(), said.facing());
 }
+
+#[test]
+fn locked_joints_are_none() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in [("robot.urdf", ARMS), ("robot.legwork.toml", ARMS_SIDE), ("own.toml", SCENARIO)] {
+        std::fs::write(folder.path().join(name), text).expect("it can be written");
+    }
+    let path = folder.path().join("own.toml").display().to_string();
+    let load = |sets: &[&str]| {
+        let model = format!("model={}", folder.path().join("robot.urdf").display());
+        let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).chain([model]).collect();
+        scenario_file::load(&path, &sets).expect("valid")
+    };
+    let loaded = load(&["locked=[\"*_elbow\", \"waist\"]", "start.posture={ l_elbow = -0.5 }", "duration_s=0.5"]);
+    let model = loaded.model().expect("a robot");
+    assert_eq!((model.nv(), free_joints(&model).len()), (22, 4));
+    let run = episode::run(&loaded.scenario, &model, &[], |_| false).expect("it starts");
+    assert_eq!(run.outcome, Outcome::Completed);
+    let free = load(&[]).model().expect("a robot");
+    assert!((model.total_mass() - free.total_mass()).abs() < 1e-12);
+    let refusal = load(&["locked=[\"*_wrist_*\"]"]).model().expect_err("no such joint").to_string();
+    assert!(refusal.contains("locked: no joint is called \"*_wrist_*\""), "{refusal}");
+}

@@ -44,7 +44,7 @@ pub struct Setting {
 /// The settings, and the tables of settings, that may not change while a run goes on, and why.
 const FIXED: [(&str, &[&str]); 8] = [
     ("it names and describes the run", &["name", "description"]),
-    ("the robot is made before the first tick", &["model", "wearer", "exoskeleton", "start"]),
+    ("the robot is made before the first tick", &["model", "fit", "locked", "wearer", "exoskeleton", "start"]),
     (
         "the run counts its ticks from the begin; it can be stopped at any of them",
         &["duration_s", "controller.period_s", "controller.known_delay_s"],
@@ -137,7 +137,15 @@ pub(crate) fn in_use(scenario: &Scenario) -> Value {
 }
 
 /// Settings that came later, each with a value that is what there was before it could be said.
-const LATER: [(&str, &str); 2] = [("ground.cross_slope_deg", "0.0"), ("start.posture", "\"neutral\"")];
+const LATER: [(&str, &str); 7] = [
+    ("ground.cross_slope_deg", "0.0"),
+    ("start.posture", "\"neutral\""),
+    ("fit", "\"none\""),
+    ("locked", "[]"),
+    ("reference.stance.shift_s", "1.5"),
+    ("reference.walker.unit_m", "1.0"),
+    ("reference.walker.unit_s", "1.0"),
+];
 
 /// Takes settings that came later out of `tree` where they say what there was before.
 pub(crate) fn remove_later(tree: &mut Value) {

@@ -83,6 +83,18 @@ pub const SETTINGS: &[Setting] = &[
     setting("name", Valid::Text, OURS, "Name of the scenario; a file that gives none is called after itself."),
     setting("description", Valid::Text, OURS, "What the scenario shows, in a sentence."),
     setting("model", Valid::Text, OURS, "Name of a built-in model, or path of a TOML or URDF file."),
+    choice(
+        "fit",
+        &["none", "done", "planar_humanoid", "planar_humanoid_feet", "exo18"],
+        OURS,
+        "Robot that the settings of start, reference, controller and pushes are stated for: they are scaled from it to the model, by length of the legs, mass and gravity. With \"none\" they are taken as they stand and follow the wearer, with \"done\" they have been scaled.",
+    ),
+    setting(
+        "locked",
+        Valid::Texts,
+        OURS,
+        "Joints of the model that are fixed where start.posture has them, by names or patterns such as \"*_wrist_*\".",
+    ),
     number("duration_s", "s", [1e-3, 1e6], OURS, "Simulated time."),
     setting(
         "seed",
@@ -130,9 +142,9 @@ pub const SETTINGS: &[Setting] = &[
     number(
         "start.com_height_m",
         "m",
-        [0.05, 5.0],
+        [0.0, 5.0],
         FITTED,
-        "Height of the centre of mass above the ground below it at the start.",
+        "Height of the centre of mass above the ground below it at the start; 0, and no value for a robot that is not built in, is one that follows from the robot's legs.",
     ),
     number(
         "start.torso_angle_deg",
@@ -276,6 +288,13 @@ pub const SETTINGS: &[Setting] = &[
         ANY_TIME,
         OURS,
         "Time at which the centre of mass begins to move above the foot that stays on the ground.",
+    ),
+    number(
+        "reference.stance.shift_s",
+        "s",
+        [0.1, 100.0],
+        OURS,
+        "Time in which the centre of mass moves above the foot that stays on the ground, and back.",
     ),
     number(
         "reference.stance.lift_duration_s",
@@ -530,6 +549,20 @@ pub const SETTINGS: &[Setting] = &[
         [0.1, 1e3],
         FEET,
         "Downward acceleration of a foot that has not found the ground in time.",
+    ),
+    number(
+        "reference.walker.unit_m",
+        "m",
+        [1e-3, 1e3],
+        OURS,
+        "Unit of the lengths in the walker's own rules, such as how close feet stand that stand together: a metre of a robot with a person's legs.",
+    ),
+    number(
+        "reference.walker.unit_s",
+        "s",
+        [1e-3, 1e3],
+        OURS,
+        "Unit of the times in the walker's own rules: a second of a robot with a person's legs.",
     ),
     //
     choice(

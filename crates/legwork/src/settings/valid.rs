@@ -28,6 +28,8 @@ pub enum Valid {
     Bool,
     /// Any text.
     Text,
+    /// A list of texts.
+    Texts,
     /// A number, or a table of numbers by joint.
     ByJoint {
         /// The least.
@@ -82,6 +84,7 @@ impl Valid {
                 let numbered = |(index, value)| row(columns, value).map_err(|found| format!("{found} in row {index}"));
                 return rows.iter().enumerate().map(numbered).collect::<Result<_, _>>().map(Value::Array);
             }
+            (Self::Texts, Value::Array(list)) => list.iter().all(Value::is_str),
             (Self::Integer { min, max }, Value::Integer(found)) => (min..=max).contains(&found),
             (Self::OneOf(alternatives), Value::String(found)) => alternatives.contains(&found.as_str()),
             (Self::Bool, Value::Boolean(_)) | (Self::Text | Self::Posture, Value::String(_)) => true,
@@ -157,6 +160,7 @@ impl Display for Valid {
             }
             Self::Bool => f.write_str("true or false"),
             Self::Text => f.write_str("text"),
+            Self::Texts => f.write_str("a list of texts"),
             Self::ByJoint { min, max } => {
                 let [min, max] = [min, max].map(|end| in_digits(*end));
                 write!(f, "a number from {min} to {max}, or a table of such by names or patterns of joints")
