@@ -2,6 +2,7 @@
 
 use legwork::Robot;
 use legwork::error::Error;
+use legwork::fit::Fit;
 use legwork::metrics::{JOINT_METRICS, METRICS, Metric};
 use legwork::scenario::Scenario;
 use legwork::settings::{SETTINGS, Setting};
@@ -196,5 +197,11 @@ pub(crate) fn show(options: &ShowArgs, output: &mut Output) -> Result<(), Failur
         return output.line(text.trim_end());
     }
     let loaded = scenario_file::load(&options.scenario, &options.sets)?;
-    output.line(scenario_file::to_toml(&loaded.portable()).trim_end())
+    let scenario = &loaded.scenario;
+    let scenario = if scenario.fit == Fit::None && scenario.start.com_height_m > 0.0 {
+        loaded.portable()
+    } else {
+        loaded.fitted(&loaded.model()?)?
+    };
+    output.line(scenario_file::to_toml(&scenario).trim_end())
 }

@@ -8,7 +8,8 @@ use std::ops::Range;
 use legwork_rbd::{Dynamics, Model};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use crate::robot::Robot;
+use crate::orientation;
+use crate::robot::{Robot, at_zero};
 
 /// The rows of one foot.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -71,21 +72,23 @@ impl Footing {
 /// Where each contact point is, from its body's joint: along the walking direction, to the left, and up [m].
 pub fn from_joints(robot: &Robot) -> Vec<Vector3<f64>> {
     let zero = at_zero(robot);
-    robot.contacts.iter().map(|contact| foot_from_body(robot, &zero, contact.body) * contact.position).collect()
+    let turns: Vec<_> = (0..robot.feet.len()).map(|foot| body_from_foot(robot, &zero, foot)).collect();
+    let places = robot.contacts.iter().zip(&robot.foot_of);
+    places.map(|(contact, &foot)| turns[foot].tr_mul(&contact.position)).collect()
 }
 
-/// The dynamics of `robot` with all joints at zero.
-fn at_zero(robot: &Robot) -> Dynamics {
-    let mut dynamics = Dynamics::new(robot);
-    dynamics.update(robot, robot.neutral().as_slice(), &vec![0.0; robot.nv()]);
-    dynamics
-}
-
-/// The rotation about z that takes a vector from the axes of a foot's `body` to the walking direction, the left and up: what the
-/// torso's axes are turned by against the body's in the dynamics at `zero`. A foot's z axis is up where it stands flat.
-fn foot_from_body(robot: &Robot, zero: &Dynamics, body: usize) -> Matrix3<f64> {
-    let [torso, body] = [robot.torso, body].map(|body| zero.world_from_body[body].rotation);
-    headed(&heading(&(torso.transpose() * body)))
+/// The axes of a foot in those of its body: ahead, to the left, and up from its sole where all joints are at zero, in the dynamics at
+/// `zero`. Contact points on a line tell no sole: up is the robot's then.
+fn body_from_foot(robot: &Robot, zero: &Dynamics, foot: usize) -> Matrix3<f64> {
+    let points: Vec<usize> = robot.points_of(foot).collect();
+    let facing = robot.facing();
+    let normal = if robot.is_planar() { None } else { orientation::normal(robot, zero, &points) };
+    let up = normal.unwrap_or_else(|| facing.column(2).into_owned());
+    let forward = facing.column(0).into_owned();
+    let forward = (forward - up * up.dot(&forward)).try_normalize(1e-9).unwrap_or(forward);
+    let axes = Matrix3::from_columns(&[forward, up.cross(&forward), up]);
+    let body = points.first().map_or(robot.torso, |&point| robot.contacts[point].body);
+    zero.world_from_body[body].rotation.tr_mul(&axes)
 }
 
 /// The sole of a foot with several contact points, along the walking direction from below its joint [m].
@@ -167,13 +170,13 @@ impl FeetMotion {
         let foot = |(index, rows): (usize, FootRows)| {
             let contacts: Vec<usize> = robot.points_of(index).collect();
             let body = contacts.first().map_or(0, |&contact| robot.contacts[contact].body);
-            let turn = foot_from_body(robot, &zero, body);
+            let turn = body_from_foot(robot, &zero, index);
             let place = |&contact: &usize| places[contact].x;
             let ends = [-1.0, 1.0].map(|side| {
                 let far = contacts.iter().map(|contact| side * place(contact)).fold(f64::NEG_INFINITY, f64::max);
                 contacts.iter().copied().filter(|contact| side * place(contact) > far - 1e-3).collect()
             });
-            let turn = (turn != Matrix3::identity()).then(|| turn.transpose());
+            let turn = (turn != Matrix3::identity()).then_some(turn);
             Foot { body, contacts, ends, rows, turn }
         };
         let feet: Vec<Foot> = FootRows::of(robot).into_iter().enumerate().map(foot).collect();

@@ -1,11 +1,14 @@
 //! The robot: a model of its dynamics, and which parts of it are torso and feet.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::{Deref, DerefMut};
 use std::path::Path;
 
 use legwork_rbd::words::{list, quoted};
 use legwork_rbd::{Base, Dynamics, Joint, Model, ModelError, Revolute, Roles};
+use nalgebra::{Matrix3, Unit, Vector3};
+
+use crate::{orientation, posture};
 
 /// A [`Model`] whose parts have roles. It dereferences to the model, so that `&robot` serves wherever a `&Model` is wanted.
 ///
@@ -20,6 +23,12 @@ pub struct Robot {
     pub feet: Vec<String>,
     /// The foot that each contact point belongs to, in `feet`; in the order of [`Model::contacts`].
     pub foot_of: Vec<usize>,
+    /// Postures that its file names: positions [rad, m] by names or patterns of joints.
+    pub postures: BTreeMap<String, BTreeMap<String, f64>>,
+    /// Forward, left and up as columns, along the axes of the root link at the zero position.
+    facing: Matrix3<f64>,
+    /// `body_from_torso`: the torso's own axes are forward, left and up where all joints are at zero. None where they are its body's.
+    torso_turn: Option<Matrix3<f64>>,
 }
 
 impl Deref for Robot {
@@ -78,7 +87,28 @@ impl Robot {
             let problem = format!("unknown body {}; valid are {}", quoted(name.unwrap_or_default()), list(links()));
             return invalid(None, "torso", problem);
         };
-        Ok(Self { torso: model.root() + torso, model, feet, foot_of })
+        let torso = model.root() + torso;
+        let forward = roles.forward.and_then(|forward| Unit::try_new(Vector3::from(forward), 1e-9));
+        if roles.forward.is_some() && forward.is_none() {
+            return invalid(
+                None,
+                "forward",
+                "found no direction; valid are three numbers that are not all zero".into(),
+            );
+        }
+        let zero = at_zero(&model);
+        let points: Vec<Vec<usize>> = (0..feet.len()).map(|foot| places(&foot_of, foot).collect()).collect();
+        let facing = orientation::facing(&model, &zero, &points, forward);
+        let torso_turn = zero.world_from_body[torso].rotation.tr_mul(&facing);
+        let torso_turn = (!model.is_planar() && torso_turn != Matrix3::identity()).then_some(torso_turn);
+        let postures = roles.postures.clone();
+        let robot = Self { torso, model, feet, foot_of, postures, facing, torso_turn };
+        for (name, joints) in &robot.postures {
+            if let Err(problem) = posture::check_names(&robot, joints.keys()) {
+                return invalid(None, &format!("posture {name:?}"), problem);
+            }
+        }
+        Ok(robot)
     }
 
     /// Reads a robot from a `.toml`, `.urdf` or MJCF file, as [`Model::load`] does.
@@ -150,6 +180,8 @@ impl Robot {
         self.model.to_toml_with_roles(&Roles {
             torso: Some(self.bodies[self.torso].name.clone()),
             feet: Some(self.feet.clone()),
+            postures: self.postures.clone(),
+            forward: (self.facing != Matrix3::identity()).then(|| self.facing.column(0).into_owned().into()),
             foot: self.foot_of.iter().map(|&foot| Some(self.feet[foot].clone())).collect(),
             ..Roles::default()
         })
@@ -164,12 +196,59 @@ impl Robot {
         };
         let feet = (0..self.feet.len()).filter(|&foot| scattered(foot));
         let odd = feet.map(|foot| format!("the contact points of {:?} are on different bodies", self.feet[foot]));
-        self.model.warnings().into_iter().chain(odd).collect()
+        let points: Vec<Vec<usize>> = (0..self.feet.len()).map(|foot| self.points_of(foot).collect()).collect();
+        let backward = orientation::heels_first(self, &at_zero(self), &points, &self.facing).then(|| {
+            format!(
+                "{}, for its right foot is the first of its feet; but its heels are before its toes then. Name the right foot first, \
+                 or say forward = [x, y, z]",
+                self.faces()
+            )
+        });
+        self.model.warnings().into_iter().chain(odd).chain(backward).collect()
+    }
+
+    /// Whether `body` is fixed to a foot, and so is part of it: a sole's link, a sensor's.
+    #[must_use]
+    pub fn is_fixed_to_a_foot(&self, body: usize) -> bool {
+        let is_fixed = |body: usize| matches!(self.bodies[body].joint, Joint::Fixed(_));
+        let carrier = |mut body: usize| {
+            while let (true, Some(parent)) = (is_fixed(body), self.bodies[body].parent) {
+                body = parent;
+            }
+            body
+        };
+        is_fixed(body) && self.contacts.iter().any(|contact| carrier(contact.body) == carrier(body))
+    }
+
+    /// Forward, left and up as columns, along the axes of the root link at the zero position.
+    #[must_use]
+    pub fn facing(&self) -> &Matrix3<f64> {
+        &self.facing
+    }
+
+    /// Which way the robot faces, as a clause.
+    #[must_use]
+    pub fn faces(&self) -> String {
+        let forward = self.facing.column(0);
+        let along = ["x", "y", "z"].into_iter().zip(forward.iter()).find(|(_, part)| part.abs() == 1.0);
+        let along = along.map_or_else(
+            || format!("[{:.3}, {:.3}, {:.3}]", forward[0], forward[1], forward[2]),
+            |(axis, part)| format!("{}{axis}", if *part < 0.0 { "-" } else { "+" }),
+        );
+        format!("the robot faces along {along} of its root link {:?}", self.bodies[self.root()].name)
+    }
+
+    /// `world_from_torso` in the state of `dynamics`: the torso's x axis points ahead, its z axis up, where it is upright.
+    #[inline]
+    #[must_use]
+    pub fn torso_rotation(&self, dynamics: &Dynamics) -> Matrix3<f64> {
+        let rotation = dynamics.world_from_body[self.torso].rotation;
+        self.torso_turn.map_or(rotation, |turn| rotation * turn)
     }
 
     /// The contact points of a foot, by their place in [`Model::contacts`].
     pub fn points_of(&self, foot: usize) -> impl Iterator<Item = usize> + '_ {
-        (0..self.foot_of.len()).filter(move |&point| self.foot_of[point] == foot)
+        places(&self.foot_of, foot)
     }
 
     /// The torso's posture [rad] at the position `q` (nq), which is that of `dynamics`: by how much it is turned from its
@@ -182,7 +261,7 @@ impl Robot {
         if self.is_planar() {
             return self.turn(self.torso, dynamics, q);
         }
-        let x = dynamics.world_from_body[self.torso].rotation.column(0).into_owned();
+        let x = self.torso_rotation(dynamics).column(0).into_owned();
         libm::atan2(x.z, libm::hypot(x.x, x.y))
     }
 
@@ -193,4 +272,16 @@ impl Robot {
         let about_y = (dynamics.world_from_body[body].rotation * axis.as_ref()).y.signum();
         before - about_y * self.bodies[body].position(q)
     }
+}
+
+/// The contact points of a foot, where each has its own in `foot_of`.
+fn places(foot_of: &[usize], foot: usize) -> impl Iterator<Item = usize> + '_ {
+    (0..foot_of.len()).filter(move |&point| foot_of[point] == foot)
+}
+
+/// The dynamics of `model` with all joints at zero.
+pub(crate) fn at_zero(model: &Model) -> Dynamics {
+    let mut dynamics = Dynamics::new(model);
+    dynamics.update(model, model.neutral().as_slice(), &vec![0.0; model.nv()]);
+    dynamics
 }

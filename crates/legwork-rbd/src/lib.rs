@@ -73,6 +73,7 @@ mod table;
 mod tree;
 mod urdf;
 mod urdf_text;
+mod weld;
 pub mod words;
 mod write;
 mod xml;

@@ -1,5 +1,7 @@
 //! The TOML model format: its keys, each with its unit.
 
+use std::collections::BTreeMap;
+
 use serde::de::{MapAccess, Visitor, value::MapAccessDeserializer};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use toml::Spanned;
@@ -23,11 +25,14 @@ pub(crate) struct ModelFile {
     pub(crate) feet: Option<Vec<String>>,
     #[serde(default, skip_serializing)]
     pub(crate) inertias: Inertias,
+    pub(crate) forward: Option<[f64; 3]>,
     pub(crate) bodies: Vec<Spanned<BodyEntry>>,
     #[serde(default)]
     pub(crate) contacts: Vec<Spanned<ContactEntry>>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(crate) frames: Vec<Spanned<FrameEntry>>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub(crate) postures: BTreeMap<String, BTreeMap<String, f64>>,
 }
 
 #[derive(Deserialize, Serialize)]

@@ -44,7 +44,14 @@ pub(crate) fn read_toml(text: &str, file_name: &str, base: Option<Base>) -> Resu
         frames: frames(&file.frames, &source)?,
         warnings: Vec::new(),
         inertias: file.inertias,
-        roles: Roles { file: file_name.to_owned(), torso: file.torso, feet: file.feet, ..Roles::default() },
+        roles: Roles {
+            file: file_name.to_owned(),
+            torso: file.torso,
+            feet: file.feet,
+            forward: file.forward,
+            postures: file.postures,
+            ..Roles::default()
+        },
     }
     .build()
 }

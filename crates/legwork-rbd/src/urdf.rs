@@ -30,6 +30,9 @@ pub(crate) struct SideFile {
     pub(crate) gravity_mps2: Option<f64>,
     pub(crate) base_pitch: Option<Table>,
     pub(crate) feet: Option<Vec<String>>,
+    pub(crate) forward: Option<[f64; 3]>,
+    #[serde(default)]
+    pub(crate) postures: BTreeMap<String, BTreeMap<String, f64>>,
     pub(crate) actuated: Option<Vec<String>>,
     pub(crate) passive: Option<Vec<String>>,
     #[serde(default)]
@@ -117,6 +120,8 @@ pub(crate) fn read_urdf(
             file: side_name.to_owned(),
             torso: side.torso,
             feet: side.feet,
+            forward: side.forward,
+            postures: side.postures,
             geometry: robot.links.into_iter().flat_map(|link| link.geometry).collect(),
             ..Roles::default()
         },

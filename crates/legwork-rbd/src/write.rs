@@ -35,6 +35,7 @@ impl Model {
             base_pitch: pitch.map(|pitch| numbers(pitch, Revolute::LIMITS)),
             feet: roles.feet.clone(),
             inertias: Inertias::Kept,
+            forward: roles.forward,
             bodies: self.bodies[root..].iter().map(|body| spanned(self.body_entry(body))).collect(),
             contacts: self
                 .contacts
@@ -62,6 +63,7 @@ impl Model {
                     })
                 })
                 .collect(),
+            postures: roles.postures.clone(),
         };
         toml::to_string(&file).expect("strings, numbers and lists can be written as TOML")
     }

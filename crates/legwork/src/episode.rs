@@ -13,14 +13,16 @@ use crate::control::{Controller, HoldController};
 use crate::diagnosis::{self, Diagnosis, Fall};
 use crate::error::Error;
 use crate::feet::FeetMotion;
+use crate::fit::fitted;
 use crate::generator::{Generator, check_feet, check_model};
 use crate::joint_limits::JointLimits;
 use crate::log::Log;
 use crate::metrics::{Measuring, Metrics};
 use crate::momentum::{Condition, Fallback, Limit, Task};
 use crate::record;
+use crate::redundancy::free_joints;
 use crate::robot::Robot;
-use crate::scenario::{ControllerKind, Scenario};
+use crate::scenario::{ControllerKind, PostureTracking, Scenario};
 use crate::settings;
 use crate::sim::audit::Audit;
 use crate::sim::sensors::Sensors;
@@ -218,6 +220,8 @@ impl Episode {
     /// # Errors
     /// Those of [`Episode::new`]; a physics whose state is none of the robot's, or two channels of one name.
     pub fn with(scenario: &Scenario, model: &Robot, parts: Parts) -> Result<Self, Error> {
+        let scenario = &fitted(scenario, model)?;
+        check_joints(scenario, model)?;
         let momentum = parts.controller.is_none() && scenario.controller.kind == ControllerKind::Momentum;
         match parts.generator {
             None if momentum => check_model(model, scenario.reference.generator)?,
@@ -556,6 +560,17 @@ impl Episode {
     }
 }
 
+/// Whether the settings by joint name joints of `model`.
+fn check_joints(scenario: &Scenario, model: &Robot) -> Result<(), Error> {
+    let controller = &scenario.controller;
+    let checks = [
+        ("controller.weights.posture", controller.weights.posture.check(model)),
+        ("controller.planner.posture_gain", controller.planner.posture_gain.check(model)),
+        ("controller.planner.posture", controller.planner.posture.positions(model).map(|_| ())),
+    ];
+    checks.into_iter().try_for_each(|(path, check)| check.map_err(|problem| Error::invalid(path, problem)))
+}
+
 /// Dynamics of the true state: the episode's `own`, or those of the `plant`.
 fn of_truth<'a>(own: &'a Option<Dynamics>, plant: &'a dyn Plant) -> &'a Dynamics {
     own.as_ref().or(plant.dynamics()).expect("either has them")
@@ -601,11 +616,13 @@ pub fn input_hash(scenario: &Scenario, model: &Robot, samples: &[[f64; 3]]) -> u
     scenario.reference.com.file.clear();
     let mut hasher = xxhash_rust::xxh3::Xxh3::new();
     hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
-    let mut tree = settings::in_use(&scenario);
-    // Ground that is level across is the ground that there was before this could be said.
-    if scenario.ground.cross_slope_deg == 0.0 {
-        settings::remove(&mut tree, "ground.cross_slope_deg");
+    // Where nothing is free, nothing holds it.
+    let posture = &mut scenario.controller.tracking.posture;
+    if *posture == PostureTracking::Free && free_joints(model).is_empty() {
+        *posture = PostureTracking::Off;
     }
+    let mut tree = settings::in_use(&scenario);
+    settings::remove_later(&mut tree);
     hasher.update(tree.to_string().as_bytes());
     hasher.update(model.to_toml().as_bytes());
     for value in samples.as_flattened() {

@@ -20,6 +20,7 @@ pub mod balance;
 pub mod clock;
 pub mod diagnosis;
 pub mod episode;
+pub mod fit;
 mod joint_limits;
 pub mod library;
 pub mod log;
@@ -36,7 +37,9 @@ pub mod sink;
 pub mod start;
 pub mod wearer;
 
-pub use legwork_contract::{channel, contact, contract, error, feet, names, robot, robot::Robot, terrain};
+pub use legwork_contract::{
+    channel, contact, contract, error, feet, names, posture, redundancy, robot, robot::Robot, terrain,
+};
 pub use legwork_control as control;
 pub use legwork_control::{generator, momentum, planner};
 pub use legwork_rbd as rbd;

@@ -84,7 +84,7 @@ pub(crate) fn state(record: &mut Record<'_>, model: &Robot, truth: &Sensed, dyna
     let turning = if model.is_planar() {
         model.angular_axes()[0].dot(&turning)
     } else {
-        right_of(&dynamics.world_from_body[model.torso].rotation.column(0).into_owned()).dot(&turning)
+        right_of(&model.torso_rotation(dynamics).column(0).into_owned()).dot(&turning)
     };
     record.set(Field::Torso, [model.torso_angle(dynamics, &truth.q), turning]);
     record.set(Field::Feet, dynamics.contact_positions.iter().flat_map(|point| along(model, *point)));

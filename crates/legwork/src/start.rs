@@ -1,11 +1,17 @@
 //! The start pose: joint positions that put feet, centre of mass and torso where the scenario wants them.
+//!
+//! Joints that these leave free begin in the scenario's posture and resist being moved out of it ([`RESISTANCE`]), so that of all poses
+//! one near the posture is found.
 
 use legwork_rbd::{Base, Dynamics, Model};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::error::Error;
 use crate::feet::{FeetMotion, Sole, pitched, rotation_error};
+use crate::fit::Fit;
 use crate::generator::check_feet;
+use crate::posture::neutral;
+use crate::redundancy::free_joints;
 use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::terrain::Terrain;
@@ -13,6 +19,8 @@ use crate::wearer::Build;
 
 /// Largest error of the pose that counts as solved [m, rad].
 const TOLERANCE: f64 = 1e-12;
+/// What the square of a free joint's step weighs against the squares of the pose's errors [1/rad², 1/m²].
+const RESISTANCE: f64 = 1e-2;
 /// So many guesses bend each joint differently, where none that bends all alike led to a pose.
 const MIXED: u32 = 40;
 
@@ -24,7 +32,10 @@ const MIXED: u32 = 40;
 pub fn start_pose(scenario: &Scenario, model: &Robot, ground: &Terrain) -> Result<DVector<f64>, Error> {
     check_feet(model)?;
     let start = &scenario.start;
-    let (stature, shift) = (scenario.wearer.stature(), Build::beyond(&scenario.wearer, model).com());
+    let (stature, shift) = match scenario.fit {
+        Fit::None => (scenario.wearer.stature(), Build::beyond(&scenario.wearer, model).com()),
+        _ => (1.0, 0.0),
+    };
     let on_ground = |x: f64, y: f64| Vector3::new(stature * x, y, ground.height_at(stature * x, y));
     let sole = Sole::of(model);
     let half = 0.5 * (sole.toe - sole.heel);
@@ -37,27 +48,43 @@ pub fn start_pose(scenario: &Scenario, model: &Robot, ground: &Terrain) -> Resul
         com: on_ground(start.com_x_m, 0.0) + Vector3::z() * (stature * start.com_height_m + shift),
         torso: start.torso_angle_deg.to_radians(),
     };
+    let posture = Posture::of(scenario, model)?;
     let mut best: Option<(f64, DVector<f64>)> = None;
     let mut beyond = None;
+    let mut nearest: Option<(f64, DVector<f64>)> = None;
     // A leg may bend another way where a joint has no limits.
     let any_way = model.dofs.iter().any(|dof| dof.actuated && dof.usual_range().is_none());
     let frees = if any_way { &[0.0, 0.5, -0.5][..] } else { &[0.0] };
-    let alike = frees
-        .iter()
-        .flat_map(|&free| [0.5, 0.25, 0.75, 0.1, 0.9].map(|bend| first_guess(model, &target, |_| bend, free)));
-    let mixed = (1..=MIXED).map(|k| {
-        first_guess(model, &target, |joint| 2.0 * (f64::from(k) * libm::sqrt((2 * joint + 3) as f64)).fract(), 0.0)
+    let alike = frees.iter().flat_map(|&free| {
+        [0.5, 0.25, 0.75, 0.1, 0.9].map(|bend| first_guess(model, &target, &posture, |_| bend, free))
     });
-    for guess in alike.chain(mixed) {
-        let (error, q) = solve(model, &target, guess);
+    let mixed = (1..=MIXED).map(|k| {
+        let bend = |joint| 2.0 * (f64::from(k) * libm::sqrt((2 * joint + 3) as f64)).fract();
+        first_guess(model, &target, &posture, bend, 0.0)
+    });
+    let count = 5 * frees.len();
+    for (index, guess) in alike.chain(mixed).enumerate() {
+        if let Some((_, q)) = nearest.take_if(|_| index >= count) {
+            return Ok(q);
+        }
+        let (error, q) = solve(model, &target, &posture, guess);
         if error < TOLERANCE {
             match check_limits(model, &q) {
-                Ok(()) => return Ok(q),
+                Ok(()) if posture.free.is_empty() => return Ok(q),
+                Ok(()) => {
+                    let distance = posture.distance(model, &q);
+                    if nearest.as_ref().is_none_or(|(least, _)| distance < *least) {
+                        nearest = Some((distance, q));
+                    }
+                }
                 Err(error) => beyond = beyond.or(Some(error)),
             }
         } else if best.as_ref().is_none_or(|(least, _)| error < *least) {
             best = Some((error, q));
         }
+    }
+    if let Some((_, q)) = nearest {
+        return Ok(q);
     }
     Err(beyond.unwrap_or_else(|| {
         let (_, q) = best.expect("at least one guess was tried");
@@ -73,8 +100,48 @@ struct Target {
     torso: f64,
 }
 
-/// A pose between the joint limits; `bend` chooses where, for each joint, and joints without limits are at `free` [rad, m].
-fn first_guess(model: &Model, target: &Target, bend: impl Fn(usize) -> f64, free: f64) -> DVector<f64> {
+/// What the start pose is to be near to.
+struct Posture {
+    /// Where each coordinate is [rad, m].
+    positions: Vec<f64>,
+    /// The coordinates that are free to be there.
+    free: Vec<usize>,
+}
+
+impl Posture {
+    fn of(scenario: &Scenario, model: &Robot) -> Result<Self, Error> {
+        let given = scenario.start.posture.positions(model);
+        let given = given.map_err(|problem| Error::invalid("start.posture", problem))?;
+        let positions =
+            given.into_iter().zip(neutral(model)).map(|(given, neutral)| given.unwrap_or(neutral)).collect();
+        Ok(Self { positions, free: free_joints(model) })
+    }
+
+    /// How far a coordinate of the pose `q` is from it [rad, m].
+    fn off_by(&self, model: &Model, q: &DVector<f64>, dof: usize) -> f64 {
+        q[model.bodies[model.dofs[dof].body].q_index] - self.positions[dof]
+    }
+
+    /// How far the free joints of a pose are from it, a sum of squares.
+    fn off(&self, model: &Model, q: &DVector<f64>) -> f64 {
+        self.free.iter().map(|&dof| self.off_by(model, q, dof)).map(|off| off * off).sum()
+    }
+
+    /// The same of all joints.
+    fn distance(&self, model: &Model, q: &DVector<f64>) -> f64 {
+        model.actuated().map(|dof| self.off_by(model, q, dof)).map(|off| off * off).sum()
+    }
+}
+
+/// A pose between the joint limits; `bend` chooses where, for each joint, and joints without limits are at `free` [rad, m]. Joints that
+/// are free are in the posture.
+fn first_guess(
+    model: &Robot,
+    target: &Target,
+    posture: &Posture,
+    bend: impl Fn(usize) -> f64,
+    free: f64,
+) -> DVector<f64> {
     let mut q = model.neutral();
     for (joint, dof) in model.dofs.iter().filter(|dof| dof.actuated).enumerate() {
         let bend = bend(joint);
@@ -85,38 +152,54 @@ fn first_guess(model: &Model, target: &Target, bend: impl Fn(usize) -> f64, free
             None => free,
         };
     }
+    for &dof in &posture.free {
+        q[model.bodies[model.dofs[dof].body].q_index] = posture.positions[dof];
+    }
     match model.base {
         Base::Planar => (q[0], q[1]) = (target.com.x, 0.3 * target.com.z),
-        // After the quaternion.
-        Base::Floating => (q[4], q[6]) = (target.com.x, target.com.z),
+        Base::Floating => {
+            let upright = Rotation3::from_matrix_unchecked(model.facing().transpose());
+            let quaternion = UnitQuaternion::from_rotation_matrix(&upright);
+            (q[0], q[1], q[2], q[3]) = (quaternion.w, quaternion.i, quaternion.j, quaternion.k);
+            (q[4], q[6]) = (target.com.x, target.com.z);
+        }
         Base::Fixed => {}
     }
     q
 }
 
-/// Levenberg-Marquardt on the pose's errors; returns the largest error left and the pose.
-fn solve(model: &Robot, target: &Target, mut q: DVector<f64>) -> (f64, DVector<f64>) {
+/// Levenberg-Marquardt on the pose's errors; returns the largest error left and the pose. Where joints are free they are drawn to the
+/// posture first; if no pose was found so, they are let go and only resist.
+fn solve(model: &Robot, target: &Target, posture: &Posture, mut q: DVector<f64>) -> (f64, DVector<f64>) {
     let (mut dynamics, mut feet) = (Dynamics::new(model), FeetMotion::new(model));
-    let mut damping = 1e-3;
     let (mut error, mut jacobian) = residual(model, target, &mut dynamics, &mut feet, &q);
-    for _ in 0..300 {
-        if error.amax() < TOLERANCE {
-            break;
-        }
-        let mut normal = jacobian.tr_mul(&jacobian);
-        for i in 0..normal.nrows() {
-            normal[(i, i)] += damping;
-        }
-        let Some(cholesky) = normal.cholesky() else { break };
-        let step = cholesky.solve(&jacobian.tr_mul(&error));
-        let mut next = q.clone();
-        model.integrate(q.as_slice(), step.as_slice(), 1.0, next.as_mut_slice());
-        let (next_error, next_jacobian) = residual(model, target, &mut dynamics, &mut feet, &next);
-        if next_error.norm_squared() < error.norm_squared() {
-            (q, error, jacobian) = (next, next_error, next_jacobian);
-            damping = (damping * 0.1).max(1e-15);
-        } else {
-            damping *= 10.0;
+    let passes: &[f64] = if posture.free.is_empty() { &[0.0] } else { &[RESISTANCE, 0.0] };
+    for pull in passes {
+        let cost = |error: &DVector<f64>, q: &DVector<f64>| error.norm_squared() + pull * posture.off(model, q);
+        let mut damping = 1e-3;
+        for _ in 0..300 {
+            if error.amax() < TOLERANCE {
+                break;
+            }
+            let (mut normal, mut slope) = (jacobian.tr_mul(&jacobian), jacobian.tr_mul(&error));
+            for i in 0..normal.nrows() {
+                normal[(i, i)] += damping;
+            }
+            for &dof in &posture.free {
+                normal[(dof, dof)] += RESISTANCE;
+                slope[dof] -= pull * posture.off_by(model, &q, dof);
+            }
+            let Some(cholesky) = normal.cholesky() else { break };
+            let step = cholesky.solve(&slope);
+            let mut next = q.clone();
+            model.integrate(q.as_slice(), step.as_slice(), 1.0, next.as_mut_slice());
+            let (next_error, next_jacobian) = residual(model, target, &mut dynamics, &mut feet, &next);
+            if cost(&next_error, &next) < cost(&error, &q) {
+                (q, error, jacobian) = (next, next_error, next_jacobian);
+                damping = (damping * 0.1).max(1e-15);
+            } else {
+                damping *= 10.0;
+            }
         }
     }
     let mut q = wrap(model, q);
@@ -158,7 +241,7 @@ fn residual(
     if model.is_planar() {
         error[torso] = target.torso - model.torso_angle(dynamics, q.as_slice());
     } else {
-        let turn = rotation_error(&dynamics.world_from_body[model.torso].rotation, &pitched(target.torso));
+        let turn = rotation_error(&model.torso_rotation(dynamics), &pitched(target.torso));
         error.rows_mut(torso, angular.len()).copy_from(&turn);
     }
     jacobian.rows_mut(0, com).copy_from(&feet.jacobian);
@@ -224,7 +307,7 @@ fn unreachable(model: &Robot, target: &Target, q: &DVector<f64>) -> Error {
         format!(
             "no pose has the feet at x = {} and {} m and the centre of mass at ({}, {}) m: the legs do not reach that far \
              (nearest found: feet at ({:.3}, {:.3}) and ({:.3}, {:.3}) m, centre of mass at ({:.3}, {:.3}) m); \
-             change start.com_height_m, start.com_x_m or the feet",
+             change start.com_height_m, start.com_x_m or the feet{}",
             target.feet[0].x,
             target.feet[1].x,
             target.com.x,
@@ -234,7 +317,8 @@ fn unreachable(model: &Robot, target: &Target, q: &DVector<f64>) -> Error {
             feet[1].x,
             feet[1].z,
             dynamics.com.x,
-            dynamics.com.z
+            dynamics.com.z,
+            if *model.facing() == Matrix3::identity() { String::new() } else { format!("; {}", model.faces()) }
         ),
     )
 }

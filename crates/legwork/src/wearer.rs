@@ -12,6 +12,7 @@ use std::sync::LazyLock;
 use legwork_rbd::{Dynamics, Model};
 
 use crate::error::Error;
+use crate::fit::Fit;
 use crate::library::load_model;
 use crate::scenario::{ControllerSettings, Exoskeleton, Scenario, Wearer};
 
@@ -119,7 +120,7 @@ impl Build {
 
 /// The controller's settings for `model`, which has the wearer and the exoskeleton of `scenario`.
 pub fn controller(scenario: &Scenario, model: &Model) -> ControllerSettings {
-    if scenario.wearer == PERSON && scenario.exoskeleton == Exoskeleton::default() {
+    if scenario.fit != Fit::None || scenario.wearer == PERSON && scenario.exoskeleton == Exoskeleton::default() {
         return scenario.controller.clone();
     }
     scenario.controller.for_size(model.total_mass() / PERSON.mass_kg, scenario.wearer.stature())

@@ -14,8 +14,6 @@ use crate::settings::{Lift, StanceSettings};
 use legwork_contract::feet::{headed, level, pitched};
 use legwork_contract::terrain::Terrain;
 
-/// Time in which the centre of mass moves above a foot, or back [s].
-const SHIFT_S: f64 = 1.5;
 /// Share of the time off the ground in which a foot is lifted, and in which it is lowered.
 const RISE: f64 = 0.3;
 
@@ -87,7 +85,7 @@ impl Stance {
 
     /// When the foot leaves the ground [s].
     fn lift_off(&self) -> f64 {
-        self.settings.lift_start_s + SHIFT_S
+        self.settings.lift_start_s + self.settings.shift_s
     }
 
     /// What sway, squat and the shift above a foot add to the centre of mass at `time` [s].
@@ -101,8 +99,8 @@ impl Stance {
         let sway = along(product(begin, wave), self.heading * Vector3::from(settings.sway_m));
         let squat = along(product(begin, squat), -settings.squat_m * Vector3::z());
         let shift = self.lifted.map_or_else(PointReference::default, |(_, above)| {
-            let there = minimum_jerk(time, settings.lift_start_s, SHIFT_S);
-            let back = minimum_jerk(time, self.lift_off() + settings.lift_duration_s, SHIFT_S);
+            let there = minimum_jerk(time, settings.lift_start_s, self.settings.shift_s);
+            let back = minimum_jerk(time, self.lift_off() + settings.lift_duration_s, self.settings.shift_s);
             along(std::array::from_fn(|k| there[k] - back[k]), above)
         });
         sum(sum(sway, squat), shift)

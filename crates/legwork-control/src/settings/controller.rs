@@ -1,5 +1,6 @@
 //! The controller: gains, weights, limits (thesis 4.3.2, 4.4).
 
+use legwork_contract::posture::{ByJoint, Posture, START};
 use serde::{Deserialize, Serialize};
 
 /// The controller: motion reference planner (4.3.2) and quadratic program (4.4).
@@ -69,7 +70,9 @@ pub struct PlannerSettings {
     /// `P_a`: torso angle error to angular acceleration [1/s²].
     pub torso_gain: f64,
     /// Joint position error to acceleration, of the posture [1/s²].
-    pub posture_gain: f64,
+    pub posture_gain: ByJoint,
+    /// The posture that joints are held in.
+    pub posture: Posture,
     /// Which damping gains belong to them.
     pub damping: Damping,
     /// Largest horizontal momentum rate asked for [N].
@@ -110,8 +113,8 @@ pub struct Weights {
     pub torso: f64,
     /// What the square of the wanted acceleration raises that by: to `1 + (this · α_D²)²` times [s⁴].
     pub torso_urgency_s4: f64,
-    /// Weight of the joint accelerations toward the posture of the first tick.
-    pub posture: f64,
+    /// Weight of the joint accelerations toward the posture.
+    pub posture: ByJoint,
     /// Weight of a braking joint's acceleration error where the hard bound (4.32) had to yield.
     pub braking: f64,
 }
@@ -127,7 +130,7 @@ pub struct TrackingSettings {
     /// Torso (4.20).
     pub torso: Tracking,
     /// Posture of the actuated joints.
-    pub posture: Tracking,
+    pub posture: PostureTracking,
 }
 
 /// The bounds of the program (4.4.4).
@@ -190,6 +193,20 @@ pub enum Tracking {
     Equality,
 }
 
+/// How the posture enters the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PostureTracking {
+    /// Not at all.
+    Off,
+    /// Weighted in the cost, for the joints that torso, feet and centre of mass leave free.
+    Free,
+    /// Weighted in the cost, for all actuated joints.
+    Cost,
+    /// As a hard equality, for all actuated joints.
+    Equality,
+}
+
 impl ControllerSettings {
     /// The settings for a robot of `mass` and `length` times those that they are for: what they are in forces and torques
     /// follows, so that accelerations are traded as before. Joint torque limits are the actuators' and stay.
@@ -225,7 +242,8 @@ impl Default for ControllerSettings {
                 foot_gain: 1500.0,
                 foot_rotation_gain: 400.0,
                 torso_gain: 45.0,
-                posture_gain: 45.0,
+                posture_gain: ByJoint::All(45.0),
+                posture: Posture::Named(START.to_owned()),
                 damping: Damping::Printed,
                 max_horizontal_momentum_rate_n: 520.0,
                 torso_angle_deg: -5.0,
@@ -245,14 +263,14 @@ impl Default for ControllerSettings {
                 trailing_rotation_factor: 1.0,
                 torso: 1e5,
                 torso_urgency_s4: 0.0,
-                posture: 1.0,
+                posture: ByJoint::All(1.0),
                 braking: 1e4,
             },
             tracking: TrackingSettings {
                 momentum: Tracking::Cost,
                 feet: Tracking::Cost,
                 torso: Tracking::Cost,
-                posture: Tracking::Off,
+                posture: PostureTracking::Free,
             },
             limits: Limits {
                 torque_nm: 220.0,

@@ -3,9 +3,11 @@
 mod controller;
 mod reference;
 
+pub use legwork_contract::posture::{ByJoint, Posture};
+
 pub use controller::{
-    ControllerKind, ControllerSettings, Damping, HoldSettings, JointLimits, Limits, PlannerSettings, QpForm, Tracking,
-    TrackingSettings, Weights,
+    ControllerKind, ControllerSettings, Damping, HoldSettings, JointLimits, Limits, PlannerSettings, PostureTracking,
+    QpForm, Tracking, TrackingSettings, Weights,
 };
 pub use reference::{
     Adaptation, ComSettings, CommandedSpeed, GeneratorKind, LeastStep, Lift, ReferenceSettings, Replan, StanceSettings,

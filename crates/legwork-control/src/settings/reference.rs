@@ -72,6 +72,8 @@ pub struct StanceSettings {
     pub lift: Lift,
     /// When the CoM begins to move above the other foot [s].
     pub lift_start_s: f64,
+    /// Time in which the CoM moves there, or back [s].
+    pub shift_s: f64,
     /// How long the foot is off the ground [s].
     pub lift_duration_s: f64,
     /// How high it is lifted [m].
@@ -170,6 +172,10 @@ pub struct WalkerSettings {
     pub unseen_landing_speed_mps: f64,
     /// How fast it gets faster where it does not find the ground in time [m/s²].
     pub landing_acceleration_mps2: f64,
+    /// Unit of the lengths in the walker's own rules: a metre of a robot with a person's legs [m].
+    pub unit_m: f64,
+    /// Unit of the times in them: a second of such a robot [s].
+    pub unit_s: f64,
 }
 
 /// How the centre of mass should move (thesis 4.3.1).
@@ -279,6 +285,24 @@ impl WalkerSettings {
     fn time_to(&self, speed: f64) -> f64 {
         let steps = if speed == 0.0 { 0.0 } else { (speed.abs() / self.speed_change_mps).ceil() };
         steps * self.scheduled(speed)[0] + if self.way_gain > 0.0 { 1.0 / self.way_gain } else { 0.0 }
+    }
+
+    /// A length of the walker's own rules [m].
+    #[inline]
+    pub(crate) fn in_length(&self, of_a_person: f64) -> f64 {
+        of_a_person * self.unit_m
+    }
+
+    /// A time of them [s].
+    #[inline]
+    pub(crate) fn in_time(&self, of_a_person: f64) -> f64 {
+        of_a_person * self.unit_s
+    }
+
+    /// A speed of them [m/s].
+    #[inline]
+    pub(crate) fn in_speed(&self, of_a_person: f64) -> f64 {
+        of_a_person * (self.unit_m / self.unit_s)
     }
 
     /// How much of a heel-off a step of `length` [m] ends with, from 0 to 1.
@@ -402,6 +426,7 @@ impl Default for ReferenceSettings {
                 period_s: 2.0,
                 lift: Lift::None,
                 lift_start_s: 1.0,
+                shift_s: 1.5,
                 lift_duration_s: 2.0,
                 lift_height_m: 0.05,
                 swing_m: 0.0,
@@ -454,6 +479,8 @@ impl Default for ReferenceSettings {
                 landing_speed_mps: 0.0307,
                 unseen_landing_speed_mps: 0.3,
                 landing_acceleration_mps2: 5.0,
+                unit_m: 1.0,
+                unit_s: 1.0,
             },
         }
     }

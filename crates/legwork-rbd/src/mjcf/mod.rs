@@ -104,7 +104,15 @@ pub(crate) fn read_mjcf(
         frames: named_frames,
         warnings: all,
         inertias: side.inertias,
-        roles: Roles { file: side_name.to_owned(), torso: side.torso, feet: side.feet, geometry, ..Roles::default() },
+        roles: Roles {
+            file: side_name.to_owned(),
+            torso: side.torso,
+            feet: side.feet,
+            forward: side.forward,
+            postures: side.postures,
+            geometry,
+            ..Roles::default()
+        },
     };
     let (mut model, roles) = description.build()?;
     // They have none by design.

@@ -166,6 +166,10 @@ fn mjcf_body(model: &Model, index: usize, text: &mut String) -> std::fmt::Result
     for mover in &model.bodies[if index == model.root() { 0 } else { index }..=index] {
         let (kind, axis) = match &mover.joint {
             Joint::Fixed(_) => continue,
+            Joint::Ball(_) => {
+                writeln!(text, "  <joint name=\"{}\" type=\"ball\"/>", mover.joint_name)?;
+                continue;
+            }
             Joint::Floating(_) => {
                 writeln!(text, "  <freejoint/>")?;
                 continue;

@@ -83,6 +83,9 @@ pub fn fall(
         }
     }
     for (index, body) in model.bodies.iter().enumerate().filter(|(_, body)| body.mass > 0.0) {
+        if model.is_fixed_to_a_foot(index) {
+            continue;
+        }
         let pose = &dynamics.world_from_body[index];
         // Joints are the ends of the links; the root has none that anybody knows.
         let part = if index != model.root() && ground.gap(&pose.translation) < 0.0 {
@@ -105,8 +108,8 @@ pub fn fall(
         (angle.abs(), if angle > 0.0 { "backward" } else { "forward" })
     } else {
         // Of the torso's upward axis, as seen from the torso's heading.
-        let torso = &dynamics.world_from_body[model.torso].rotation;
-        let up = headed(&heading(torso)).transpose() * torso.column(2);
+        let torso = model.torso_rotation(dynamics);
+        let up = headed(&heading(&torso)).transpose() * torso.column(2);
         let wanted = pitched(reference).column(2).into_owned();
         let off = up - wanted;
         let way = match off.x.abs() > off.y.abs() {

@@ -11,8 +11,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::contract::Sensed;
 use crate::error::Error;
+use crate::fit::Fit;
 use crate::generator::{self, Generator, Observation, Surroundings};
 use crate::momentum::MomentumController;
+use crate::posture;
 use crate::robot::Robot;
 use crate::sim::Simulator;
 use crate::terrain::Terrain;
@@ -32,6 +34,10 @@ pub struct Scenario {
     pub description: String,
     /// A built-in model's name, or a TOML, URDF or MJCF file.
     pub model: String,
+    /// The robot that the settings are stated for, where it is another.
+    pub fit: Fit,
+    /// Joints of the model that are fixed where the start's posture has them, by names or patterns.
+    pub locked: Vec<String>,
     /// Simulated time [s].
     pub duration_s: f64,
     /// Seed of the sensor noise and of the ground's unevenness.
@@ -111,10 +117,12 @@ pub struct Start {
     pub feet_width_m: f64,
     /// Place of the centre of mass [m].
     pub com_x_m: f64,
-    /// Height of the centre of mass above the ground below it [m].
+    /// Height of the centre of mass above the ground below it [m]; zero for one that follows from the legs.
     pub com_height_m: f64,
     /// Torso angle, counter-clockwise from upright [deg].
     pub torso_angle_deg: f64,
+    /// Near which it is.
+    pub posture: Posture,
 }
 
 /// When the robot counts as fallen; see [`crate::diagnosis`].
@@ -168,6 +176,9 @@ impl Scenario {
 
     /// The reference generator's settings for the wearer's size and for the build of `model`.
     pub fn fitted_reference(&self, model: &Model) -> ReferenceSettings {
+        if self.fit != Fit::None {
+            return self.reference.clone();
+        }
         let walker = self.reference.walker.for_stature(self.wearer.stature());
         let beyond = Build::beyond(&self.wearer, model);
         let walker = walker.for_build(beyond.leg, beyond.com_above_hip);
@@ -223,6 +234,8 @@ impl Default for Scenario {
             name: "stand".into(),
             description: String::new(),
             model: "planar_humanoid".into(),
+            fit: Fit::None,
+            locked: Vec::new(),
             duration_s: 4.0,
             seed: 0,
             wearer: PERSON,
@@ -234,6 +247,7 @@ impl Default for Scenario {
                 com_x_m: 0.27025,
                 com_height_m: 0.885,
                 torso_angle_deg: -1.676873,
+                posture: Posture::Named(posture::NEUTRAL.to_owned()),
             },
             ground: Ground::default(),
             reference: ReferenceSettings::default(),

@@ -160,7 +160,7 @@ fn merge(
     places: &mut Places,
 ) -> Result<(), Error> {
     match (slot, found) {
-        (Value::Table(table), DeValue::Table(found)) => {
+        (Value::Table(table), DeValue::Table(found)) if Setting::find(path).is_none() => {
             for (key, value) in found {
                 let path = format!("{path}{}{}", if path.is_empty() { "" } else { "." }, key.get_ref());
                 let place = source.place(key.span().start, &path);
@@ -172,7 +172,7 @@ fn merge(
             }
             Ok(())
         }
-        (Value::Table(table), other) => {
+        (Value::Table(table), other) if Setting::find(path).is_none() => {
             let problem = format!("found {}; valid is a table with the keys {}", self::found(other), keys(table));
             Err(Error::invalid(place, problem))
         }

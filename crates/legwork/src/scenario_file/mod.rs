@@ -16,6 +16,8 @@ use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
 use crate::library::{self, Kind, load_model, load_samples, model_text};
+use crate::names::matches;
+use crate::posture;
 use crate::robot::Robot;
 use crate::scenario::{Scenario, TrajectoryKind};
 use crate::settings::{Setting, at, tree};
@@ -37,16 +39,25 @@ pub struct Loaded {
 }
 
 impl Loaded {
-    /// Reads the model that the scenario names, and fits it to the wearer.
+    /// Reads the model that the scenario names, fits it to the wearer, and locks the joints that the scenario says.
     ///
     /// # Errors
     /// As [`load_model`] and [`wearer::fit`].
     pub fn model(&self) -> Result<Robot, Error> {
         let fitted = load_model(&self.scenario.model, self.folder.as_deref()).and_then(|mut model| {
             wearer::fit(&mut model, &self.scenario.wearer, &self.scenario.exoskeleton)?;
+            lock(&mut model, &self.scenario)?;
             Ok(model)
         });
         fitted.map_err(|error| self.locate(error))
+    }
+
+    /// The scenario with the values that are in use with its `model`: scaled where they are stated for another robot.
+    ///
+    /// # Errors
+    /// As [`crate::fit::fitted`].
+    pub fn fitted(&self, model: &Robot) -> Result<Scenario, Error> {
+        crate::fit::fitted(&self.portable(), model).map_err(|error| self.locate(error))
     }
 
     /// Reads the samples of the CoM trajectory; none where the scenario's trajectory is not from a file.
@@ -93,6 +104,22 @@ impl Loaded {
             other => other,
         }
     }
+}
+
+/// Fixes the joints of `model` that `scenario` says where its start's posture has them.
+fn lock(model: &mut Robot, scenario: &Scenario) -> Result<(), Error> {
+    let locked = &scenario.locked;
+    if locked.is_empty() {
+        return Ok(());
+    }
+    posture::check_names(model, locked).map_err(|problem| Error::invalid("locked", problem))?;
+    let given = scenario.start.posture.positions(model).map_err(|why| Error::invalid("start.posture", why))?;
+    let positions = given.into_iter().zip(posture::neutral(model)).map(|(given, neutral)| given.unwrap_or(neutral));
+    let is_locked = |dof: usize| locked.iter().any(|pattern| matches(pattern, &model.dofs[dof].name));
+    let welds: Vec<(usize, f64)> =
+        positions.enumerate().filter(|(dof, _)| model.dofs[*dof].actuated && is_locked(*dof)).collect();
+    model.weld(&welds);
+    Ok(())
 }
 
 /// Reads a built-in scenario or a file, and applies the `sets`, each `path=value`.
@@ -168,7 +195,11 @@ fn resolve(origin: Origin, sets: &[String]) -> Result<Loaded, Error> {
             draft.move_path(path, &here);
         }
     }
-    let scenario = draft.check(&origin.file_name)?;
+    let mut scenario = draft.check(&origin.file_name)?;
+    if model_text(&scenario.model).is_none() && draft.places.of(&["start.com_height_m"]).is_none() {
+        // That of the default belongs to a robot that is built in.
+        scenario.start.com_height_m = 0.0;
+    }
     Ok(Loaded { scenario, folder: origin.folder, file_name: origin.file_name, places: draft.places })
 }
 

@@ -44,7 +44,7 @@ pub struct Setting {
 /// The settings, and the tables of settings, that may not change while a run goes on, and why.
 const FIXED: [(&str, &[&str]); 8] = [
     ("it names and describes the run", &["name", "description"]),
-    ("the robot is made before the first tick", &["model", "wearer", "exoskeleton", "start"]),
+    ("the robot is made before the first tick", &["model", "fit", "locked", "wearer", "exoskeleton", "start"]),
     (
         "the run counts its ticks from the begin; it can be stopped at any of them",
         &["duration_s", "controller.period_s", "controller.known_delay_s"],
@@ -52,7 +52,13 @@ const FIXED: [(&str, &[&str]); 8] = [
     ("it is drawn before the first tick", &["seed"]),
     (
         "the reference is planned before the first tick",
-        &["reference.generator", "reference.com", "reference.stance", "controller.planner.torso_angle_deg"],
+        &[
+            "reference.generator",
+            "reference.com",
+            "reference.stance",
+            "controller.planner.torso_angle_deg",
+            "controller.planner.posture",
+        ],
     ),
     ("the program has its variables and rows from the begin", &["controller.form", "controller.tracking"]),
     (
@@ -85,7 +91,7 @@ const FIXED: [(&str, &[&str]); 8] = [
 ];
 
 /// Settings, and tables of settings, that mean something only where another setting has one of these values.
-const USED_WITH: [(&str, &str, &[&str]); 15] = [
+const USED_WITH: [(&str, &str, &[&str]); 16] = [
     ("reference", "controller.kind", &["momentum"]),
     ("reference.com", "reference.generator", &["steps", "stance"]),
     ("reference.step", "reference.generator", &["steps"]),
@@ -93,8 +99,9 @@ const USED_WITH: [(&str, &str, &[&str]); 15] = [
     ("reference.walker", "reference.generator", &["walker"]),
     ("controller.form", "controller.kind", &["momentum"]),
     ("controller.weights", "controller.kind", &["momentum"]),
-    ("controller.weights.posture", "controller.tracking.posture", &["cost", "equality"]),
-    ("controller.planner.posture_gain", "controller.tracking.posture", &["cost", "equality"]),
+    ("controller.weights.posture", "controller.tracking.posture", &["free", "cost", "equality"]),
+    ("controller.planner.posture_gain", "controller.tracking.posture", &["free", "cost", "equality"]),
+    ("controller.planner.posture", "controller.tracking.posture", &["free", "cost", "equality"]),
     ("controller.tracking", "controller.kind", &["momentum"]),
     ("controller.limits", "controller.kind", &["momentum"]),
     ("controller.hold", "controller.kind", &["hold"]),
@@ -127,6 +134,26 @@ pub(crate) fn in_use(scenario: &Scenario) -> Value {
         remove(&mut tree, outer);
     }
     tree
+}
+
+/// Settings that came later, each with a value that is what there was before it could be said.
+const LATER: [(&str, &str); 7] = [
+    ("ground.cross_slope_deg", "0.0"),
+    ("start.posture", "\"neutral\""),
+    ("fit", "\"none\""),
+    ("locked", "[]"),
+    ("reference.stance.shift_s", "1.5"),
+    ("reference.walker.unit_m", "1.0"),
+    ("reference.walker.unit_s", "1.0"),
+];
+
+/// Takes settings that came later out of `tree` where they say what there was before.
+pub(crate) fn remove_later(tree: &mut Value) {
+    for (path, before) in LATER {
+        if at(tree, path).is_some_and(|value| value.to_string() == before) {
+            remove(tree, path);
+        }
+    }
 }
 
 /// Takes the setting or table at `path` out of `tree`.

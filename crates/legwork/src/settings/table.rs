@@ -83,6 +83,18 @@ pub const SETTINGS: &[Setting] = &[
     setting("name", Valid::Text, OURS, "Name of the scenario; a file that gives none is called after itself."),
     setting("description", Valid::Text, OURS, "What the scenario shows, in a sentence."),
     setting("model", Valid::Text, OURS, "Name of a built-in model, or path of a TOML, URDF or MJCF file."),
+    choice(
+        "fit",
+        &["none", "done", "planar_humanoid", "planar_humanoid_feet", "exo18"],
+        OURS,
+        "Robot that the settings of start, reference, controller and pushes are stated for: they are scaled from it to the model, by length of the legs, mass and gravity. With \"none\" they are taken as they stand and follow the wearer, with \"done\" they have been scaled.",
+    ),
+    setting(
+        "locked",
+        Valid::Texts,
+        OURS,
+        "Joints of the model that are fixed where start.posture has them, by names or patterns such as \"*_wrist_*\".",
+    ),
     number("duration_s", "s", [1e-3, 1e6], OURS, "Simulated time."),
     setting(
         "seed",
@@ -130,9 +142,9 @@ pub const SETTINGS: &[Setting] = &[
     number(
         "start.com_height_m",
         "m",
-        [0.05, 5.0],
+        [0.0, 5.0],
         FITTED,
-        "Height of the centre of mass above the ground below it at the start.",
+        "Height of the centre of mass above the ground below it at the start; 0, and no value for a robot that is not built in, is one that follows from the robot's legs.",
     ),
     number(
         "start.torso_angle_deg",
@@ -140,6 +152,12 @@ pub const SETTINGS: &[Setting] = &[
         TILT,
         FITTED,
         "Torso angle at the start, counter-clockwise: leaning forward is negative.",
+    ),
+    setting(
+        "start.posture",
+        Valid::Posture,
+        OURS,
+        "Posture near which the start pose is sought, of the joints that feet, centre of mass and torso leave free: \"neutral\", where joints are at zero or at the near end of their range; one that the robot's file names; or positions by joint, the others neutral.",
     ),
     //
     number("ground.friction", "", FRICTION, FITTED, "Coefficient of friction of the ground.").called("mu"),
@@ -270,6 +288,13 @@ pub const SETTINGS: &[Setting] = &[
         ANY_TIME,
         OURS,
         "Time at which the centre of mass begins to move above the foot that stays on the ground.",
+    ),
+    number(
+        "reference.stance.shift_s",
+        "s",
+        [0.1, 100.0],
+        OURS,
+        "Time in which the centre of mass moves above the foot that stays on the ground, and back.",
     ),
     number(
         "reference.stance.lift_duration_s",
@@ -525,6 +550,20 @@ pub const SETTINGS: &[Setting] = &[
         FEET,
         "Downward acceleration of a foot that has not found the ground in time.",
     ),
+    number(
+        "reference.walker.unit_m",
+        "m",
+        [1e-3, 1e3],
+        OURS,
+        "Unit of the lengths in the walker's own rules, such as how close feet stand that stand together: a metre of a robot with a person's legs.",
+    ),
+    number(
+        "reference.walker.unit_s",
+        "s",
+        [1e-3, 1e3],
+        OURS,
+        "Unit of the times in the walker's own rules: a second of a robot with a person's legs.",
+    ),
     //
     choice(
         "controller.kind",
@@ -619,12 +658,18 @@ pub const SETTINGS: &[Setting] = &[
         "Gain from an error of the torso's angle to the torso's angular acceleration.",
     )
     .called("P_a"),
-    number(
+    setting(
         "controller.planner.posture_gain",
-        "1/s²",
-        GAIN,
+        Valid::ByJoint { min: GAIN[0], max: GAIN[1] },
         OURS,
-        "Gain from an error of a joint's position to the joint's acceleration, in the posture task.",
+        "Gain from an error of a joint's position to the joint's acceleration, in the posture task; in a table, joints without a number have 45.",
+    )
+    .measured_in("1/s²"),
+    setting(
+        "controller.planner.posture",
+        Valid::Posture,
+        OURS,
+        "Posture that the posture task holds: \"start\", that of the first tick; \"neutral\"; one that the robot's file names; or positions by joint, the others as in the first tick.",
     ),
     choice(
         "controller.planner.damping",
@@ -705,12 +750,11 @@ pub const SETTINGS: &[Setting] = &[
         OURS,
         "Gain from the square of the torso's wanted acceleration to the growth of the torso's weight.",
     ),
-    number(
+    setting(
         "controller.weights.posture",
-        "",
-        WEIGHT,
+        Valid::ByJoint { min: WEIGHT[0], max: WEIGHT[1] },
         OURS,
-        "Weight of the joint accelerations toward the posture of the first tick.",
+        "Weight of the joint accelerations toward the posture; in a table, joints without a number have 1.",
     ),
     number(
         "controller.weights.braking",
@@ -725,9 +769,9 @@ pub const SETTINGS: &[Setting] = &[
     choice("controller.tracking.torso", TRACKING, "thesis (4.20)", "How the torso is tracked."),
     choice(
         "controller.tracking.posture",
-        &["off", "cost", "equality"],
+        &["off", "free", "cost", "equality"],
         OURS,
-        "How the actuated joints track the posture of the first tick, if they do.",
+        "How actuated joints are held in the posture, if they are: with \"free\" in the cost, those that feet, torso and centre of mass leave free (arms, neck, waist, legs of more than six joints); else all of them.",
     ),
     //
     number("controller.limits.torque_nm", "Nm", [0.1, 1e5], FINAL, "Largest joint torque."),

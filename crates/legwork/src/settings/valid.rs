@@ -28,6 +28,17 @@ pub enum Valid {
     Bool,
     /// Any text.
     Text,
+    /// A list of texts.
+    Texts,
+    /// A number, or a table of numbers by joint.
+    ByJoint {
+        /// The least.
+        min: f64,
+        /// The most.
+        max: f64,
+    },
+    /// The name of a posture, or a table of positions by joint.
+    Posture,
     /// A list with a number a column.
     Row(&'static [Column]),
     /// A list of such rows, or an empty one.
@@ -66,17 +77,33 @@ impl Valid {
         let ok = match (self, value) {
             (Self::Number { min, max }, _) => return number(&Column::new("", *min, *max), value),
             (Self::Row(columns), _) => return row(columns, value),
+            (Self::ByJoint { min, max }, Value::Table(_)) => return by_joint(&Column::new("", *min, *max), value),
+            (Self::ByJoint { min, max }, _) => return number(&Column::new("", *min, *max), value),
+            (Self::Posture, Value::Table(_)) => return by_joint(&POSITION, value),
             (Self::Rows(columns), Value::Array(rows)) => {
                 let numbered = |(index, value)| row(columns, value).map_err(|found| format!("{found} in row {index}"));
                 return rows.iter().enumerate().map(numbered).collect::<Result<_, _>>().map(Value::Array);
             }
+            (Self::Texts, Value::Array(list)) => list.iter().all(Value::is_str),
             (Self::Integer { min, max }, Value::Integer(found)) => (min..=max).contains(&found),
             (Self::OneOf(alternatives), Value::String(found)) => alternatives.contains(&found.as_str()),
-            (Self::Bool, Value::Boolean(_)) | (Self::Text, Value::String(_)) => true,
+            (Self::Bool, Value::Boolean(_)) | (Self::Text | Self::Posture, Value::String(_)) => true,
             _ => false,
         };
         if ok { Ok(value.clone()) } else { Err(in_words(value)) }
     }
+}
+
+/// Where a joint may be [rad, m].
+const POSITION: Column = Column::new("", -100.0, 100.0);
+
+fn by_joint(column: &Column, value: &Value) -> Result<Value, String> {
+    let Value::Table(table) = value else { return Err(in_words(value)) };
+    let checked = table.iter().map(|(name, value)| {
+        let value = number(column, value).map_err(|found| format!("{found} for {}", quoted(name)))?;
+        Ok((name.clone(), value))
+    });
+    checked.collect::<Result<_, _>>().map(Value::Table)
 }
 
 fn number(column: &Column, value: &Value) -> Result<Value, String> {
@@ -133,6 +160,14 @@ impl Display for Valid {
             }
             Self::Bool => f.write_str("true or false"),
             Self::Text => f.write_str("text"),
+            Self::Texts => f.write_str("a list of texts"),
+            Self::ByJoint { min, max } => {
+                let [min, max] = [min, max].map(|end| in_digits(*end));
+                write!(f, "a number from {min} to {max}, or a table of such by names or patterns of joints")
+            }
+            Self::Posture => f.write_str(
+                "the name of a posture, or a table of positions [rad, m] by names or patterns of joints, such as { \"*_elbow\" = 0.3 }",
+            ),
             Self::Row(columns) => columns_in_words(columns, f),
             Self::Rows(columns) => {
                 f.write_str("a list of rows ")?;

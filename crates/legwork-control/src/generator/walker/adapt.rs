@@ -6,7 +6,7 @@
 use super::plan::StepPlan;
 use crate::settings::{Adaptation, WalkerSettings};
 
-/// Time between two times of landing that are looked at [s].
+/// Time between two times of landing that are looked at, of a robot with a person's legs [s].
 pub const GRID_S: f64 = 0.01;
 
 /// What a landing is chosen by.
@@ -23,6 +23,8 @@ pub(super) struct Choice {
     /// Earliest and latest time of landing [s].
     pub(super) earliest: f64,
     pub(super) latest: f64,
+    /// Time between two times of landing that are looked at [s].
+    pub(super) grid: f64,
     /// Whether the time may be chosen, too.
     pub(super) time_is_free: bool,
 }
@@ -38,6 +40,7 @@ impl Choice {
             offset_weight: settings.offset_weight,
             earliest: 0.0,
             latest: settings.longest_step_s,
+            grid: settings.in_time(GRID_S),
             time_is_free: settings.adaptation == Adaptation::PlaceAndTime,
         }
     }
@@ -70,19 +73,20 @@ pub(super) fn best_landing(
 ) -> Landing {
     let mut best = Landing { time: plan.cop.time[3], place: choice.length, com };
     let mut least = f64::INFINITY;
-    let growth = libm::exp(plan.omega * GRID_S);
+    let grid = choice.grid;
+    let growth = libm::exp(plan.omega * grid);
     let mut time = now;
     // Landings are looked at on a grid that does not move with the present.
-    let mut next = ((now / GRID_S).floor() + 1.0) * GRID_S;
+    let mut next = ((now / grid).floor() + 1.0) * grid;
     if !choice.time_is_free {
         next = plan.cop.time[3];
     }
     loop {
         let mut cop_time = time;
         while next - cop_time > 1e-9 {
-            let step = GRID_S.min(next - cop_time);
+            let step = grid.min(next - cop_time);
             let cop = law(plan, gain, xcom, plan.xcom(cop_time), cop_time, range(cop_time));
-            let factor = if step == GRID_S { growth } else { libm::exp(plan.omega * step) };
+            let factor = if step == grid { growth } else { libm::exp(plan.omega * step) };
             // ẋ = ω (ξ - x), too
             let half = 0.5 * (xcom - cop);
             com = cop + half * factor + (com - cop - half) / factor;
@@ -106,7 +110,7 @@ pub(super) fn best_landing(
                 (least, best) = (cost, Landing { time, place, com });
             }
         }
-        next += GRID_S;
+        next += grid;
         if next > choice.latest || !choice.time_is_free {
             return best;
         }
@@ -135,6 +139,7 @@ mod tests {
             offset_weight: 200.0,
             earliest: 0.3,
             latest: 1.1,
+            grid: GRID_S,
             time_is_free: true,
         };
         (StepPlan { cop: after(LENGTH), omega: OMEGA, end }, choice)

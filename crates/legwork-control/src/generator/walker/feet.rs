@@ -111,8 +111,9 @@ impl Walker {
         }
         self.footing[foot] = Footing::Lands;
         self.feet[foot].point.position = self.placed[foot].point(self.sole.toe);
-        if rate > HEEL_DOWN_RADPS {
-            let braking = (rate * rate - HEEL_DOWN_RADPS * HEEL_DOWN_RADPS) / (2.0 * left);
+        let end = HEEL_DOWN_RADPS / self.settings.unit_s;
+        if rate > end {
+            let braking = (rate * rate - end * end) / (2.0 * left);
             self.feet[foot].turn = TurnReference::pitch(pitch, rate, -braking);
         }
     }
@@ -182,14 +183,15 @@ impl Walker {
         self.place_foot(foot, observation);
         self.feet[foot] = self.flat(foot);
         self.settling = !(heel && toe);
+        let turning = SETTLING_RATE / self.settings.unit_s;
         let (now, believed) = (self.placed[foot].pitch, libm::atan(self.grade.steepness));
         let (end, footing, angle, rate) = match (heel, toe) {
             (true, true) => return,
-            (true, false) => (self.sole.heel, Footing::OnHeel, now.min(believed), -SETTLING_RATE),
-            (false, true) => (self.sole.toe, Footing::Lands, now.max(believed), SETTLING_RATE),
+            (true, false) => (self.sole.heel, Footing::OnHeel, now.min(believed), -turning),
+            (false, true) => (self.sole.toe, Footing::Lands, now.max(believed), turning),
             (false, false) => {
                 // It has bounced.
-                self.feet[foot].point.velocity.z = -SINKING;
+                self.feet[foot].point.velocity.z = -self.settings.in_speed(SINKING);
                 return;
             }
         };

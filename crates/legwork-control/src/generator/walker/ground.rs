@@ -26,16 +26,16 @@ pub(super) struct Trail([[f64; 2]; FOOTSTEPS]);
 
 impl Trail {
     /// The robot has come along `line`.
-    fn along(line: &Line) -> Self {
+    fn along(line: &Line, pace: f64) -> Self {
         Self(std::array::from_fn(|k| {
-            let x = line.x - PACE_M * k as f64;
+            let x = line.x - pace * k as f64;
             [x, line.at(x)]
         }))
     }
 
-    /// A foot met the ground.
-    fn add(&mut self, point: [f64; 2]) {
-        if (self.0[0][0] - point[0]).abs() > LONG_ENOUGH {
+    /// A foot met the ground, if that was `far` from where one met it before.
+    fn add(&mut self, point: [f64; 2], far: f64) {
+        if (self.0[0][0] - point[0]).abs() > far {
             self.0.rotate_right(1);
             self.0[0] = point;
         }
@@ -55,7 +55,7 @@ impl Walker {
         let [a, b] = self.placed;
         let steepness = 0.5 * (libm::tan(a.pitch) + libm::tan(b.pitch));
         self.grade = Line { x: 0.5 * (a.x + b.x), z: 0.5 * (a.z + b.z), steepness };
-        self.trail = Trail::along(&self.grade);
+        self.trail = Trail::along(&self.grade, self.settings.in_length(PACE_M));
     }
 
     /// The centre of mass goes along a line through the foot `stance`, inclined as the ground ahead where it is known, else
@@ -67,13 +67,13 @@ impl Walker {
         let stance = &self.placed[stance];
         if !self.ground_known {
             let met = stance.point(stance.meets);
-            self.trail.add([met.x, met.z]);
+            self.trail.add([met.x, met.z], self.settings.in_length(LONG_ENOUGH));
             self.grade = Line { x: met.x, z: met.z, steepness: self.trail.steepness() };
             return;
         }
         let ahead = stance.x + self.choice.length;
         let mut steepness = self.grade.steepness;
-        if (ahead - stance.x).abs() > LONG_ENOUGH {
+        if (ahead - stance.x).abs() > self.settings.in_length(LONG_ENOUGH) {
             let seen = Line::through([stance.x, stance.z], [ahead, self.ground.height_at(ahead, 0.0)]).steepness;
             steepness += GRADE_SHARE * (seen - steepness);
         }
@@ -95,7 +95,7 @@ impl Walker {
         if self.ground_known && self.ground.is_even() {
             return self.grade;
         }
-        if (landing.x - left.x).abs() < CLOSE {
+        if (landing.x - left.x).abs() < self.settings.in_length(CLOSE) {
             return Line { x: landing.x, z: landing.z.max(left.z), steepness: self.grade.steepness };
         }
         Line::through([landing.x, landing.z], [left.x, left.z])

@@ -16,19 +16,19 @@ impl Walker {
     /// Chooses place and time of landing.
     pub(super) fn adapt(&mut self, stance: usize, time: f64, step: f64) {
         let settings = &self.settings;
-        let settled = self.plan.cop.time[3] - settings.settling_s - time < HELD_S;
+        let settled = self.plan.cop.time[3] - settings.settling_s - time < settings.in_time(HELD_S);
         if settings.adaptation == Adaptation::None || step == 0.0 || settled {
             return;
         }
         let origin = self.placed[stance].x;
         let end = self.plan.cop.time[3];
         let mut choice = self.choice;
-        let settled = settings.settling_s + SETTLED_S;
+        let settled = settings.settling_s + settings.in_time(SETTLED_S);
         choice.time_is_free &= end - time > settled;
         choice.earliest = choice.earliest.max(time + settled);
         let (longest, back) = (settings.longest_m, settings.longest_back_m);
         let reach = |landing: f64, com: f64| {
-            let left = (landing - settings.settling_s - time).max(LEAST_S);
+            let left = (landing - settings.settling_s - time).max(settings.in_time(LEAST_S));
             let foot = self.ankle.reach(settings.swing_acceleration_mps2, left);
             let leg = self.leg_reach(landing - time);
             let low = foot[0].max(com + leg[0]).clamp(-back, longest);
@@ -77,7 +77,7 @@ impl Walker {
     /// Places of the foot that the leg reaches in `left` [s], from the centre of mass, which is lowered until then [m].
     fn leg_reach(&self, left: f64) -> [f64; 2] {
         let settings = &self.settings;
-        let [_, drop] = self.drop.reach(settings.drop_acceleration_mps2, left.max(LEAST_S));
+        let [_, drop] = self.drop.reach(settings.drop_acceleration_mps2, left.max(settings.in_time(LEAST_S)));
         let height = self.hip_height() - drop.clamp(0.0, settings.longest_drop_m);
         // d² + (h - s d)² = l² on ground of the steepness s
         let steepness = self.grade.steepness;

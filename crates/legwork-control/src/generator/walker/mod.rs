@@ -212,7 +212,8 @@ impl Walker {
         self.omega = xcom::eigenfrequency(self.gravity, height);
         let settings = &self.settings;
         // What a push has cost is not to be caught up.
-        self.way = self.way.max(self.com - FARTHEST_M).min(self.com + FARTHEST_M);
+        let farthest = self.settings.in_length(FARTHEST_M);
+        self.way = self.way.max(self.com - farthest).min(self.com + farthest);
         let behind = settings.way_gain * (self.way - self.com);
         let length = ((self.speed + behind) * duration).clamp(-settings.longest_back_m, settings.longest_m);
         (self.bob, self.lowest, self.heel_off) = (bob, lowest, heel_off);
@@ -339,14 +340,19 @@ impl Walker {
             self.roll[stance] = Some(self.roll_of(self.settings.double_support_s));
         }
         let apart = (self.placed[other].x - self.placed[stance].x).abs();
-        let stops = self.wanted_speed(self.time).abs() <= STANDING && !self.settings.march;
+        let stops = self.wanted_speed(self.time).abs() <= self.settings.in_speed(STANDING) && !self.settings.march;
         let ahead = self.xcom - self.placed[other].x;
         let holds = (self.sole.heel..self.sole.toe).contains(&ahead);
-        if stops && self.speed.abs() <= STANDING && apart < TOGETHER && holds && self.roll[stance].is_none() {
+        if stops
+            && self.speed.abs() <= self.settings.in_speed(STANDING)
+            && apart < self.settings.in_length(TOGETHER)
+            && holds
+            && self.roll[stance].is_none()
+        {
             (self.phase, self.speed) = (Phase::Standing, 0.0);
         } else {
             // A foot that lands a little early waits for its step to begin, so that the plan goes on without a jump.
-            let early = (self.plan.cop.time[3] - elapsed).clamp(0.0, EARLY_S);
+            let early = (self.plan.cop.time[3] - elapsed).clamp(0.0, self.settings.in_time(EARLY_S));
             self.begin_step(other, self.time + early);
         }
     }

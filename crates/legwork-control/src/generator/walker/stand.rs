@@ -26,12 +26,12 @@ impl Walker {
         let falls = outside.abs() > settings.stand_margin_m;
         self.lean_by(shift, step);
         self.cop = (wanted - self.hip_shift).clamp(low, high);
-        self.drop = self.drop.toward(0.0, RISE_S, step);
+        self.drop = self.drop.toward(0.0, self.settings.in_time(RISE_S), step);
         self.footing = [Footing::Stands; 2];
         self.max_load = [f64::INFINITY; 2];
         (0..2).for_each(|foot| self.feet[foot] = self.flat(foot));
         let speed = self.wanted_speed(self.time);
-        if speed.abs() > STANDING || self.settings.march || falls {
+        if speed.abs() > self.settings.in_speed(STANDING) || self.settings.march || falls {
             let forward = if falls { outside } else { speed };
             // The foot ahead stands.
             let stance = usize::from((left.x - right.x) * forward.signum() >= 0.0);

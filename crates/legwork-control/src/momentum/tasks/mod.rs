@@ -27,7 +27,7 @@ pub fn laws(settings: &ControllerSettings, model: &Robot) -> Vec<Box<dyn Law>> {
         Box::new(momentum::Momentum),
         Box::new(feet::Feet),
         Box::new(torso::Torso::new(model)),
-        Box::new(posture::Posture::new(model)),
+        Box::new(posture::Posture::new(settings, model)),
     ];
     all.retain(|law| law.how(&settings.tracking) != Tracking::Off);
     all

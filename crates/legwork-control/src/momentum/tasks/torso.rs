@@ -53,7 +53,7 @@ impl Law for Torso {
         let turn = if model.is_planar() {
             TurnReference::pitch(torso.in_plane()[0] - model.torso_angle(dynamics, q), 0.0, 0.0).turn
         } else {
-            rotation_error(&dynamics.world_from_body[model.torso].rotation, &rotated(&torso.turn))
+            rotation_error(&model.torso_rotation(dynamics), &rotated(&torso.turn))
         };
         let torso_damping = damping(settings, 1.0, settings.torso_gain);
         for (row, axis) in model.angular_axes().iter().enumerate() {
