@@ -14,7 +14,8 @@ pub(crate) fn test(sum: &mut Sum) {
     };
     let Some(program) = example(sum) else { return };
     let mut tests = Command::new(python);
-    tests.arg(root().join("xtask/python/mjcf.py")).arg(program);
+    // MuJoCo writes its log where it is started.
+    tests.arg(root().join("xtask/python/mjcf.py")).arg(program).current_dir(root().join("target"));
     counted(tests, "the robots in MJCF", sum);
 }
 

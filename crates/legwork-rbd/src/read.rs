@@ -215,6 +215,10 @@ impl<'a> Source<'a> {
         Self { file, text, lines: Lines::of(text) }
     }
 
+    pub(crate) fn file(&self) -> &'a str {
+        self.file
+    }
+
     /// The line, from one, of a byte offset.
     pub(crate) fn line(&self, offset: usize) -> Option<usize> {
         (offset <= self.text.len()).then(|| self.lines.line(offset))

@@ -174,6 +174,11 @@ impl<'a> Element<'a> {
         written_name(self.node)
     }
 
+    /// The name of its file.
+    pub(crate) fn file(&self) -> &'a str {
+        self.source.file()
+    }
+
     pub(crate) fn line(&self) -> Option<usize> {
         self.source.line(self.node.range().start)
     }

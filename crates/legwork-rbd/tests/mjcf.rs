@@ -415,6 +415,15 @@ fn files_that_are_missing_or_included_twice_are_named() {
         Model::from_mjcf(ROBOT, "dir/r.xml", None, None, &[("biped_leg.xml", bad.as_bytes())]).unwrap_err().to_string();
     let needed = "joint range is \"-140\"; 2 finite numbers with blanks between them are needed";
     assert_eq!(bad, format!("dir/biped_leg.xml:8: knee: {needed}"));
+    // A line of another file is not taken for one of the model's own.
+    let heavy = INCLUDED.replace("name=\"knee\"", "name=\"knee\" armature=\"-1\" frictionloss=\"1\"");
+    let files = [("biped_leg.xml", heavy.as_bytes())];
+    let negative = Model::from_mjcf(ROBOT, "r.xml", None, None, &files).unwrap_err().to_string();
+    assert_eq!(negative, "r.xml: joint \"knee\": armature -1 is negative");
+    let friction = heavy.replace("armature=\"-1\"", "");
+    let files = [("biped_leg.xml", friction.as_bytes())];
+    let warnings = Model::from_mjcf(ROBOT, "r.xml", None, None, &files).unwrap().warnings();
+    assert_eq!(warnings[0], "biped_leg.xml, line 7: joint \"knee\": Coulomb friction 1 is ignored");
     let mesh = "<asset><mesh name=\"m\" file=\"m.stl\" scale=\"2 2 2\"/></asset>";
     let body = "<geom type=\"mesh\" mesh=\"m\"/>";
     refused(&one(mesh, body), "r.xml:2: mesh: file \"m.stl\": no such file or folder");

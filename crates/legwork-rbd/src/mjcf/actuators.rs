@@ -1,8 +1,8 @@
 //! What `<actuator>` drives, and how hard.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-use super::compiler::{at, named};
+use super::compiler::named;
 use super::defaults::{Defaults, Item};
 use super::files::Tree;
 use crate::error::ModelError;
@@ -86,7 +86,7 @@ impl<'a> Actuators<'a> {
     pub(super) fn read(
         tree: &Tree<'a>,
         defaults: &Defaults<'a>,
-        joints: &[&str],
+        joints: &HashSet<&str>,
         ignored: &mut Ignored,
         sentences: &mut Vec<String>,
     ) -> Result<Self, ModelError> {
@@ -102,16 +102,18 @@ impl<'a> Actuators<'a> {
                 let Some(joint) = element.get("joint").or(element.get("jointinparent")) else {
                     let sentence = "acts on no joint and is ignored: only motors of joints are read";
                     let actuator = named("actuator", element.get("name").unwrap_or_default());
-                    sentences.push(format!("{}{actuator} {sentence}", at(element)));
+                    sentences.push(format!("{}{actuator} {sentence}", tree.at(element)));
                     continue;
                 };
                 if !joints.contains(&joint) {
-                    let problem = format!("unknown joint {joint:?}; valid are {}", list(joints));
+                    let mut valid: Vec<_> = joints.iter().collect();
+                    valid.sort();
+                    let problem = format!("unknown joint {joint:?}; valid are {}", list(valid));
                     return Err(element.invalid(problem));
                 }
                 if item.number("armature")?.is_some_and(|armature| armature != 0.0) {
                     let sentence = "its armature is ignored; give it to the joint";
-                    sentences.push(format!("{}{}: {sentence}", at(element), named("actuator of joint", joint)));
+                    sentences.push(format!("{}{}: {sentence}", tree.at(element), named("actuator of joint", joint)));
                 }
                 *actuators.efforts.entry(joint).or_insert(0.0) += effort(&item)?;
             }

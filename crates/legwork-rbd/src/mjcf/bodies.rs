@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::compiler::{Compiler, at, named};
+use super::compiler::{Compiler, named};
 use super::defaults::{Defaults, Item, direction, rotation_to};
 use super::files::Tree;
 use crate::error::ModelError;
@@ -248,11 +248,11 @@ impl<'a> Reader<'a, '_> {
         let placement = then(&place.frame, &self.pose(&self.defaults.item(element, place.class)?)?);
         if element.number("gravcomp")?.is_some_and(|share| share != 0.0) {
             let body = named("body", element.get("name").unwrap_or_default());
-            self.sentences.push(format!("{}{body}: gravcomp is ignored, it has its weight", at(element)));
+            self.sentences.push(format!("{}{body}: gravcomp is ignored, it has its weight", self.tree.at(element)));
         }
         Ok(Body {
             name: element.get("name").filter(|name| !name.is_empty()),
-            line: element.line(),
+            line: self.tree.own_line(element),
             parent: place.body,
             placement,
             inertial: None,
@@ -282,7 +282,7 @@ impl<'a> Reader<'a, '_> {
                 let Some(name) = element.get("name") else { return Ok(()) };
                 let item = self.defaults.item(element, place.class)?;
                 let pose = if item.text("fromto").is_some() { self.span(&item)?.0 } else { self.pose(&item)? };
-                body.sites.push(Site { name, line: element.line(), placement: then(&place.frame, &pose) });
+                body.sites.push(Site { name, line: self.tree.own_line(element), placement: then(&place.frame, &pose) });
                 Ok(())
             }
             "replicate" | "attach" | "composite" | "flexcomp" => {
@@ -322,7 +322,7 @@ impl<'a> Reader<'a, '_> {
     }
 
     fn joint(&mut self, element: Element<'a>, place: Place<'a>) -> Result<Joint<'a>, ModelError> {
-        let (name, line) = (element.get("name").filter(|name| !name.is_empty()), element.line());
+        let (name, line) = (element.get("name").filter(|name| !name.is_empty()), self.tree.own_line(element));
         if element.name() == "freejoint" {
             self.ignored.note(&element, &[], &["name", "group", "align"]);
             return Ok(Joint { name, line, ..Joint::free() });
@@ -363,19 +363,26 @@ impl<'a> Reader<'a, '_> {
         let ([first, second, third], _) = item.part::<3>(key)?;
         if second != 0.0 || third != 0.0 {
             let joint = named("joint", item.text("name").unwrap_or_default());
-            let place = at(item.element());
+            let place = self.tree.at(item.element());
             self.sentences.push(format!("{place}{joint}: of its {key} only the linear part is read"));
         }
         Ok(first)
     }
 
     fn joint_ignores(&mut self, item: &Item, kind: JointType) -> Result<(), ModelError> {
-        let (place, joint) = (at(item.element()), named("joint", item.text("name").unwrap_or_default()));
+        let (place, joint) = (self.tree.at(item.element()), named("joint", item.text("name").unwrap_or_default()));
         if let Some(friction) = item.number("frictionloss")?.filter(|friction| *friction != 0.0) {
             self.sentences.push(format!("{place}{joint}: Coulomb friction {friction} is ignored"));
         }
         if item.row::<2>("springdamper")?.is_some_and(|pair| pair != [0.0, 0.0]) {
             self.sentences.push(format!("{place}{joint}: springdamper is ignored; give stiffness and damping"));
+        }
+        if kind == JointType::Ball {
+            let given =
+                [("stiffness", item.part::<3>("stiffness")?.0[0] != 0.0), ("range", item.text("range").is_some())];
+            for (key, _) in given.into_iter().filter(|(_, is_given)| *is_given) {
+                self.sentences.push(format!("{place}{joint}: {key} of a ball joint is ignored"));
+            }
         }
         if kind == JointType::Free {
             for key in ["armature", "damping", "stiffness"] {

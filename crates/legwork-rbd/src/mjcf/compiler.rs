@@ -43,7 +43,6 @@ const KEYS: &[&str] = &[
     "discardvisual",
     "convexhull",
     "exactmeshinertia",
-    "usethread",
     "fusestatic",
     "inertiafromgeom",
     "inertiagrouprange",
@@ -125,7 +124,8 @@ impl Compiler {
                 return Err(element.refused_at("gravity", "gravity along -z is needed, such as \"0 0 -9.81\""));
             }
             if x != 0.0 || y != 0.0 {
-                sentences.push(format!("{}of gravity the parts along x and y, {x} and {y}, are ignored", at(element)));
+                sentences
+                    .push(format!("{}of gravity the parts along x and y, {x} and {y}, are ignored", tree.at(element)));
             }
             self.gravity = -z;
         }
@@ -135,7 +135,8 @@ impl Compiler {
         }
         for key in ["density", "viscosity"] {
             if element.number(key)?.is_some_and(|value| value != 0.0) {
-                sentences.push(format!("{}the {key} of a medium is ignored: bodies move in a vacuum", at(element)));
+                sentences
+                    .push(format!("{}the {key} of a medium is ignored: bodies move in a vacuum", tree.at(element)));
             }
         }
         Ok(())
@@ -173,11 +174,6 @@ fn sequence(text: &str) -> Option<[(usize, bool); 3]> {
     };
     let axes: Option<Vec<_>> = text.trim().chars().map(axis).collect();
     axes?.try_into().ok()
-}
-
-/// The place of an element, to begin a sentence with.
-pub(super) fn at(element: Element) -> String {
-    element.line().map_or_else(String::new, |line| format!("line {line}: "))
 }
 
 /// What a file names, for messages.

@@ -117,6 +117,18 @@ impl<'a> Tree<'a> {
         Element::root(&self.documents[0], &self.sources[0]).of("model")
     }
 
+    /// The line of an element in the model's own file; none of what stands in another one.
+    pub(super) fn own_line(&self, element: Element) -> Option<usize> {
+        element.line().filter(|_| element.file() == self.sources[0].file())
+    }
+
+    /// The place of an element, to begin a sentence with.
+    pub(super) fn at(&self, element: Element) -> String {
+        let Some(line) = element.line() else { return String::new() };
+        let own = self.own_line(element).is_some();
+        if own { format!("line {line}: ") } else { format!("{}, line {line}: ", element.file()) }
+    }
+
     /// The children of an element, in the order of the file.
     pub(super) fn children(&self, element: Element<'a>) -> Vec<Element<'a>> {
         let mut children = Vec::new();

@@ -72,7 +72,7 @@ pub(crate) fn read_mjcf(
         sentences: &mut warnings,
     };
     let bodies = reader.bodies()?;
-    let names: Vec<&str> = bodies.iter().flat_map(|body| &body.joints).filter_map(|joint| joint.name).collect();
+    let names: HashSet<&str> = bodies.iter().flat_map(|body| &body.joints).filter_map(|joint| joint.name).collect();
     let actuators = Actuators::read(&tree, &defaults, &names, &mut ignored, &mut warnings)?;
     let meshes = Meshes::new(&tree, &defaults, &compiler, read)?;
     let choice = Choice::of(&bodies, side.base_of(base), &source, &mut warnings)?;
@@ -175,6 +175,7 @@ struct Assembly<'a, 'b> {
     masses: Vec<Mass>,
     /// The names of the file's bodies, also of those without one there.
     names: Vec<String>,
+    own_names: HashSet<&'a str>,
     body_names: HashSet<String>,
     joint_names: HashSet<String>,
     bodies: Vec<BodyDescription>,
@@ -214,6 +215,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
             source,
             masses: Vec::new(),
             names,
+            own_names: given.iter().filter_map(|body| body.name).collect(),
             body_names,
             joint_names,
             bodies: Vec::new(),
@@ -257,10 +259,6 @@ impl<'a, 'b> Assembly<'a, 'b> {
                 Some(parent) => Some(self.names[parent].clone()),
                 None => world.clone(),
             };
-            if self.names.iter().take(index).any(|name| *name == self.names[index]) {
-                let problem = "the name is given twice; body names must differ";
-                return Err(self.source.invalid(body.line, format!("body {:?}", self.names[index]), problem));
-            }
             match parent {
                 Some(parent) => self.chain(index, parent, first)?,
                 None => {
@@ -359,7 +357,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
 
     /// Named places, but for those with the name of a body, by which the body is found.
     fn sites(&mut self, index: usize) {
-        for site in self.given[index].sites.iter().filter(|site| !self.names.iter().any(|name| name == site.name)) {
+        for site in self.given[index].sites.iter().filter(|site| !self.own_names.contains(site.name)) {
             self.sites.push(FrameDescription {
                 name: site.name.to_owned(),
                 body: self.names[index].clone(),
