@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use legwork_rbd::Base;
 
 const RUN_HELP: &str = "\
 Examples:
@@ -55,6 +56,17 @@ file.
 Exit code: 0 done (whether or not anything better was found), 1 a file could
 not be read or written, 2 wrong invocation or input, 130 interrupted (Ctrl-C
 keeps the best so far).";
+
+const ADOPT_HELP: &str = "\
+Examples:
+  legwork adopt robot.urdf
+  legwork adopt robot.xml --feet right_ankle_roll_link,left_ankle_roll_link
+  legwork adopt robot.urdf --base planar
+
+Beside ROBOT.urdf it writes ROBOT.legwork.toml, with what the robot's file does
+not say, and the scenarios ROBOT-stand.toml and, for a robot in the plane with
+soles, ROBOT-walk.toml; it runs each for two seconds. Files that are there are
+kept. Exit code 1: the robot falls, or a scenario cannot start.";
 
 const INSPECT_HELP: &str = "\
 Examples:
@@ -152,6 +164,9 @@ pub(crate) enum Command {
     /// Print a scenario with all its settings, or a study, as a file that can be saved and run
     #[command(after_help = "Example:\n  legwork show push > my-push.toml")]
     Show(ShowArgs),
+    /// Make a robot of one's own (URDF, MJCF, TOML) stand, and in the plane walk: find feet, soles and torso, write scenarios
+    #[command(after_help = ADOPT_HELP)]
+    Adopt(AdoptArgs),
     /// Show a robot model (TOML, URDF or MJCF): tree, masses, limits, contacts, warnings; with a state also its dynamics
     #[command(after_help = INSPECT_HELP)]
     Inspect(InspectArgs),
@@ -423,6 +438,22 @@ pub(crate) struct ShowArgs {
     pub(crate) sets: Vec<String>,
 }
 
+/// Options of `adopt`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct AdoptArgs {
+    /// A URDF, MJCF or TOML file
+    pub(crate) robot: PathBuf,
+    /// The links that are the robot's feet, instead of those that are found
+    #[arg(long, value_name = "RIGHT,LEFT", value_delimiter = ',')]
+    pub(crate) feet: Vec<String>,
+    /// The link that is the robot's torso, instead of the one that is found
+    #[arg(long, value_name = "LINK")]
+    pub(crate) torso: Option<String>,
+    /// How the root is held: planar locks the joints that would leave the plane
+    #[arg(long, value_enum)]
+    pub(crate) base: Option<BaseArg>,
+}
+
 /// Options of `inspect`.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct InspectArgs {
@@ -448,4 +479,14 @@ pub(crate) enum BaseArg {
     Planar,
     /// Free in space
     Floating,
+}
+
+impl From<BaseArg> for Base {
+    fn from(base: BaseArg) -> Self {
+        match base {
+            BaseArg::Fixed => Base::Fixed,
+            BaseArg::Planar => Base::Planar,
+            BaseArg::Floating => Base::Floating,
+        }
+    }
 }

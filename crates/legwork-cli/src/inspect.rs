@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, Vector3};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-use crate::args::{BaseArg, InspectArgs};
+use crate::args::InspectArgs;
 use crate::output::{Failure, Output, folded};
 
 /// A quaternion whose norm is further from one than this is refused.
@@ -25,11 +25,7 @@ struct State {
 }
 
 pub(crate) fn inspect(options: &InspectArgs, output: &mut Output) -> Result<(), Failure> {
-    let base = options.base.map(|base| match base {
-        BaseArg::Fixed => Base::Fixed,
-        BaseArg::Planar => Base::Planar,
-        BaseArg::Floating => Base::Floating,
-    });
+    let base = options.base.map(Base::from);
     let model = library::load_model_with_base(&options.model, None, base)?;
     let state = options.state.as_deref().map(|path| read_state(path, &model)).transpose()?;
     let mut object = model_json(&model);
@@ -235,7 +231,7 @@ fn row_names<'a>(kind: &'a str, axes: &'a [Vector3<f64>]) -> impl Iterator<Item 
     })
 }
 
-fn model_text(model: &Robot) -> String {
+pub(crate) fn model_text(model: &Robot) -> String {
     let headline = format!(
         "{}: {} base, {} degrees of freedom ({} actuated), {:.3} kg, gravity {} m/s²",
         model.name,
@@ -246,8 +242,8 @@ fn model_text(model: &Robot) -> String {
         model.gravity
     );
     let mut text = folded(&headline, 2) + "\n\nbodies\n";
-    for (index, body) in model.bodies.iter().enumerate() {
-        let depth = std::iter::successors(model.bodies[index].parent, |&parent| model.bodies[parent].parent).count();
+    for (index, depth) in depth_first(model) {
+        let body = &model.bodies[index];
         let name = format!("{}{}", "  ".repeat(depth), body.name);
         text += &format!("  {name:<36} {:>9.3} kg   by {} ({})\n", body.mass, body.joint_name, body.joint.type_name());
     }
@@ -305,6 +301,19 @@ fn model_text(model: &Robot) -> String {
         text += &format!("\n{}", folded(&format!("warning: {}", one_line(&warning, PLACE + PROBLEM)), 2));
     }
     text
+}
+
+/// The bodies, each before what it carries, with how many carry it.
+fn depth_first(model: &Model) -> Vec<(usize, usize)> {
+    let (mut order, mut next) = (Vec::new(), Vec::new());
+    let carried =
+        |by: Option<usize>| (0..model.bodies.len()).rev().filter(move |&body| model.bodies[body].parent == by);
+    next.extend(carried(None).map(|body| (body, 0)));
+    while let Some((body, depth)) = next.pop() {
+        order.push((body, depth));
+        next.extend(carried(Some(body)).map(|carried| (carried, depth + 1)));
+    }
+    order
 }
 
 /// Rows of numbers in columns, objects key by key.

@@ -3,6 +3,7 @@
 //! Data goes to stdout, words to stderr. Exit code 0: done what was asked (a simulated fall is a result); 1: a file
 //! could not be read or written, or a robot fell under `--expect-standing`; 2: a wrong invocation or file.
 
+mod adopt;
 mod args;
 mod bench;
 mod compare;
@@ -42,6 +43,7 @@ fn main() -> ExitCode {
         Command::Bench(options) => bench::bench(&options, &mut output),
         Command::List(options) => list::list(&options, &mut output).map(|()| ExitCode::SUCCESS),
         Command::Show(options) => list::show(&options, &mut output).map(|()| ExitCode::SUCCESS),
+        Command::Adopt(options) => adopt::adopt(&options, &mut output),
         Command::Inspect(options) => inspect::inspect(&options, &mut output).map(|()| ExitCode::SUCCESS),
     };
     done.and_then(|code| output.flush().map(|()| code)).unwrap_or_else(|failure: Failure| {

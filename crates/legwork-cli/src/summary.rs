@@ -11,17 +11,22 @@ use serde_json::{Value, json};
 
 use crate::output::folded;
 
-/// Outcome and table: each figure of the thesis beside the measured one.
-pub(crate) fn text(run: &Run) -> String {
-    let Scenario { name, duration_s: duration, .. } = &run.scenario;
-    let outcome = match &run.outcome {
+/// How a run ended, in words.
+pub(crate) fn outcome(run: &Run) -> String {
+    let duration = run.scenario.duration_s;
+    match &run.outcome {
         Outcome::Completed => match run.injurious_force_n() {
             Some(force) => format!("completed {duration} s, with an injurious contact force of {:.1} kN", 1e-3 * force),
             None => format!("completed {duration} s"),
         },
         Outcome::Fell(_) => run.reason.clone().unwrap_or_else(|| "fell".to_owned()),
         Outcome::Stopped => format!("stopped at {:.2} s of {duration} s", simulated(run)),
-    };
+    }
+}
+
+/// Outcome and table: each figure of the thesis beside the measured one.
+pub(crate) fn text(run: &Run) -> String {
+    let (name, outcome) = (&run.scenario.name, outcome(run));
     let rows: Vec<Row> = published::compare(name, &run.metrics)
         .into_iter()
         .filter(|row| row.measured.is_some() || row.published.is_some())

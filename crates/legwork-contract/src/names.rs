@@ -41,37 +41,3 @@ pub fn dofs(model: &Model, name: &str, linear: &'static str, angular: &'static s
 pub fn joints(model: &Model, name: &str, unit: &'static str) -> Names {
     model.actuated().map(|dof| (format!("{name}.{}", model.dofs[dof].name), unit)).collect()
 }
-
-/// Whether `name` is what the `pattern` says, in which each `*` stands for any characters or none. Allocates nothing.
-pub fn matches(pattern: &str, name: &str) -> bool {
-    let Some((head, mut rest)) = pattern.split_once('*') else { return pattern == name };
-    let Some(mut name) = name.strip_prefix(head) else { return false };
-    while let Some((part, after)) = rest.split_once('*') {
-        // The first place will do: what follows may begin anywhere.
-        let Some(at) = name.find(part) else { return false };
-        (name, rest) = (&name[at + part.len()..], after);
-    }
-    name.ends_with(rest)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::matches;
-
-    #[test]
-    fn a_star_stands_for_anything_or_nothing() {
-        for (pattern, name, holds) in [
-            ("knee", "knee", true),
-            ("knee", "knees", false),
-            ("*_wrist_*", "l_wrist_yaw", true),
-            ("*_wrist_*", "l_wrist", false),
-            ("l_*", "l_", true),
-            ("*", "", true),
-            ("a*b*c", "aXbYbZc", true),
-            ("a*b*c", "ac", false),
-            ("ab*ba", "aba", false),
-        ] {
-            assert_eq!(matches(pattern, name), holds, "{pattern} {name}");
-        }
-    }
-}

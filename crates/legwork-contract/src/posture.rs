@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use legwork_rbd::words::{list, quoted};
 use serde::{Deserialize, Serialize};
 
-use crate::names::matches;
 use crate::robot::Robot;
+use legwork_rbd::words::matches;
 
 /// The name of the posture in which every joint is at zero, or at the end of its range that is nearest to it.
 pub const NEUTRAL: &str = "neutral";

@@ -11,7 +11,7 @@ use crate::dynamics::Dynamics;
 use crate::error::{ModelError, Problems};
 use crate::forward_dynamics::ForwardDynamics;
 use crate::model::{Dof, Model};
-use crate::spatial::Placement;
+use crate::spatial::{Motion, Placement};
 use crate::words;
 
 impl Description {
@@ -138,21 +138,14 @@ impl Description {
             return Err(self.invalid(None, "bodies", "no body has mass"));
         }
         // Without the mass matrix, of which the diagonal is enough: S_jᵀ I^c S_j.
-        let mut dynamics = Dynamics::without_mass_matrix(model);
-        dynamics.poses(model, model.neutral().as_slice());
-        dynamics.inertias(model);
+        let (dynamics, inertias) = model.own_inertias();
         for (j, dof) in model.dofs.iter().enumerate() {
             let body = &model.bodies[dof.body];
             let invalid = |problem: String| {
                 Err(self.invalid(self.joint_line(&body.name), format!("joint {:?}", body.joint_name), problem))
             };
             let (s, composite) = (&dynamics.subspace[j], &dynamics.composite[dof.body]);
-            let mut inertia = s.dot(&composite.momentum(s)) + dof.armature;
-            for (follower, s) in dynamics.tree.followers(&dynamics.subspace).filter(|(other, _)| other.coordinate == j)
-            {
-                let ratio = follower.ratio;
-                inertia += ratio * ratio * s.dot(&dynamics.composite[follower.body].momentum(s));
-            }
+            let inertia = inertias[j];
             if !(inertia > 0.0 && inertia.is_finite()) {
                 let problem = if !inertia.is_finite() {
                     "moves more than numbers can hold; a mass or a length beyond it is too large".to_owned()
@@ -207,6 +200,28 @@ impl Description {
             }
         }
         Ok(())
+    }
+}
+
+impl Model {
+    /// The diagonal of the mass matrix at the zero position, with the dynamics of that position.
+    fn own_inertias(&self) -> (Dynamics, Vec<f64>) {
+        let mut dynamics = Dynamics::without_mass_matrix(self);
+        dynamics.poses(self, self.neutral().as_slice());
+        dynamics.inertias(self);
+        let of = |s: &Motion, body: usize| s.dot(&dynamics.composite[body].momentum(s));
+        let dofs = self.dofs.iter().zip(&dynamics.subspace);
+        let mut inertias: Vec<f64> = dofs.map(|(dof, s)| of(s, dof.body) + dof.armature).collect();
+        for (follower, s) in dynamics.tree.followers(&dynamics.subspace) {
+            inertias[follower.coordinate] += follower.ratio * follower.ratio * of(s, follower.body);
+        }
+        (dynamics, inertias)
+    }
+
+    /// The velocity coordinates, but those of the base, that move nothing.
+    pub(crate) fn coordinates_without_inertia(&self) -> Vec<usize> {
+        let (_, inertias) = self.own_inertias();
+        (0..self.nv()).filter(|&dof| inertias[dof] == 0.0 && self.dofs[dof].body > self.root()).collect()
     }
 }
 

@@ -1,15 +1,17 @@
 //! The description that a file gives of a robot, and its way to a checked [`Model`].
 
+use std::collections::{HashMap, HashSet};
+
 use nalgebra::{Matrix3, Vector3};
 use serde::Deserialize;
 
 use crate::base::Base;
 use crate::check::oddities;
 use crate::error::{ModelError, Problems};
-use crate::joints::Joint;
+use crate::joints::{Fixed, Joint};
 use crate::model::{Dof, Model};
 use crate::roles::Roles;
-use crate::spatial::Placement;
+use crate::spatial::{Motion, Placement};
 use crate::words::{self, PROBLEM, one_line};
 
 /// What a file says, in SI units, before any check across entries.
@@ -26,6 +28,10 @@ pub(crate) struct Description {
     pub(crate) warnings: Vec<String>,
     /// What becomes of inertias that no body has.
     pub(crate) inertias: Inertias,
+    /// Joints that are fixed at zero, by names or patterns.
+    pub(crate) locked: Vec<String>,
+    /// Whether joints that move no mass are fixed too, as files of other tools have them.
+    pub(crate) locks_massless: bool,
     /// Those of the contact points are not in it yet. Its file is the one that contacts and frames come from.
     pub(crate) roles: Roles,
 }
@@ -120,6 +126,9 @@ impl Description {
         let order = problems.keep(self.order());
         problems.none(&self.file)?;
         let order = order.expect("no problem was found with it");
+        problems.keep(self.lock_named());
+        problems.none(&self.file)?;
+        self.lock_massless(&order)?;
         let places = self.places(&order);
         let mut model = self.assemble(&order, &places)?;
         problems.keep(self.check_motion(&model));
@@ -139,6 +148,59 @@ impl Description {
         {
             joint.dof.velocity_limit = f64::INFINITY;
             self.warnings.push(format!("joint {:?}: a velocity limit of 0 is taken as none", joint.name));
+        }
+    }
+
+    /// Fixes the joints that `locked` names.
+    fn lock_named(&mut self) -> Result<(), ModelError> {
+        let joints = || self.bodies.iter().map(|body| &body.joint.name);
+        for pattern in &self.locked {
+            if !joints().any(|name| words::matches(pattern, name)) {
+                let problem = format!("no joint is called {pattern:?}; valid are {}", words::list(joints()));
+                return Err(self.invalid_beside(None, "locked", problem));
+            }
+        }
+        let names = joints().filter(|name| self.locked.iter().any(|pattern| words::matches(pattern, name)));
+        let names: HashSet<String> = names.cloned().collect();
+        self.lock(&names);
+        Ok(())
+    }
+
+    /// Fixes the joints that move no mass, where that is asked for.
+    fn lock_massless(&mut self, order: &[usize]) -> Result<(), ModelError> {
+        if !self.locks_massless {
+            return Ok(());
+        }
+        let model = self.assemble(order, &self.places(order))?;
+        let massless = model.coordinates_without_inertia();
+        let names: HashSet<String> =
+            massless.iter().map(|&dof| model.bodies[model.dofs[dof].body].joint_name.clone()).collect();
+        for name in self.bodies.iter().map(|body| &body.joint.name).filter(|name| names.contains(*name)) {
+            let warning = format!("joint {name:?} moves no mass and is locked; give what it carries a mass to free it");
+            self.warnings.push(warning);
+        }
+        self.lock(&names);
+        Ok(())
+    }
+
+    /// Fixes joints at zero, and those that follow them where they are led to.
+    fn lock(&mut self, names: &HashSet<String>) {
+        let leaders: HashMap<String, Leader> = self
+            .bodies
+            .iter()
+            .filter_map(|body| Some((body.joint.name.clone(), body.joint.follows.clone()?)))
+            .collect();
+        for joint in self.bodies.iter_mut().map(|body| &mut body.joint).filter(|joint| joint.kind.nv() == 1) {
+            let (mut at, mut ratio, mut offset) = (joint.name.clone(), 1.0, 0.0);
+            // Each leader once: joints that follow themselves are refused later.
+            for _ in 0..leaders.len() {
+                let Some(leader) = leaders.get(&at).filter(|_| !names.contains(&at)) else { break };
+                (at, offset, ratio) = (leader.joint.clone(), ratio * leader.offset + offset, ratio * leader.ratio);
+            }
+            if names.contains(&at) {
+                joint.kind.pose(&[offset], &mut joint.placement, &mut [Motion::zero()]);
+                (joint.kind, joint.follows, joint.dof) = (Joint::Fixed(Fixed), None, Dof::free());
+            }
         }
     }
 

@@ -86,6 +86,7 @@ pub use frame::Frame;
 pub use geometry::{Geometry, Shape};
 pub use inverse_dynamics::InverseDynamics;
 pub use joints::{Ball, Fixed, Floating, Joint, Prismatic, Revolute};
+pub use mjcf::mesh_corners;
 pub use model::{Body, ContactPoint, Dof, Follows, Model};
 pub use roles::Roles;
 pub use spatial::{Force, Inertia, Motion, Placement};

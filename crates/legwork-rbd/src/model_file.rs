@@ -24,6 +24,8 @@ pub(crate) struct ModelFile {
     pub(crate) base_pitch: Option<Table>,
     pub(crate) feet: Option<Vec<String>>,
     #[serde(default, skip_serializing)]
+    pub(crate) locked: Vec<String>,
+    #[serde(default, skip_serializing)]
     pub(crate) inertias: Inertias,
     pub(crate) forward: Option<[f64; 3]>,
     pub(crate) bodies: Vec<Spanned<BodyEntry>>,

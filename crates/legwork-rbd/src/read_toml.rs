@@ -44,6 +44,8 @@ pub(crate) fn read_toml(text: &str, file_name: &str, base: Option<Base>) -> Resu
         frames: frames(&file.frames, &source)?,
         warnings: Vec::new(),
         inertias: file.inertias,
+        locked: file.locked,
+        locks_massless: false,
         roles: Roles {
             file: file_name.to_owned(),
             torso: file.torso,

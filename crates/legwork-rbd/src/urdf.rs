@@ -38,6 +38,8 @@ pub(crate) struct SideFile {
     #[serde(default)]
     pub(crate) mimic: Mimic,
     #[serde(default)]
+    pub(crate) locked: Vec<String>,
+    #[serde(default)]
     pub(crate) inertias: Inertias,
     #[serde(default)]
     pub(crate) contacts: Vec<Spanned<ContactEntry>>,
@@ -116,6 +118,8 @@ pub(crate) fn read_urdf(
         frames: frames.unwrap_or_default(),
         warnings: tree.warnings,
         inertias: side.inertias,
+        locked: side.locked,
+        locks_massless: true,
         roles: Roles {
             file: side_name.to_owned(),
             torso: side.torso,

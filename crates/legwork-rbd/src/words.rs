@@ -53,6 +53,18 @@ fn shortened(text: &str, most: usize) -> Cow<'_, str> {
     format!("{}{dots}{}", &text[..begin], &text[end..]).into()
 }
 
+/// Whether `name` is what the `pattern` says, in which each `*` stands for any characters or none. Allocates nothing.
+pub fn matches(pattern: &str, name: &str) -> bool {
+    let Some((head, mut rest)) = pattern.split_once('*') else { return pattern == name };
+    let Some(mut name) = name.strip_prefix(head) else { return false };
+    while let Some((part, after)) = rest.split_once('*') {
+        // The first place will do: what follows may begin anywhere.
+        let Some(at) = name.find(part) else { return false };
+        (name, rest) = (&name[at + part.len()..], after);
+    }
+    name.ends_with(rest)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -87,5 +99,22 @@ mod tests {
         let (shown, rest) = text.rsplit_once(" and ").expect("not all fit");
         assert_eq!(rest, format!("{} more", 5000 - shown.split(", ").count()));
         assert!(list(["x".repeat(4000)]).chars().count() == 60);
+    }
+
+    #[test]
+    fn a_star_stands_for_anything_or_nothing() {
+        for (pattern, name, holds) in [
+            ("knee", "knee", true),
+            ("knee", "knees", false),
+            ("*_wrist_*", "l_wrist_yaw", true),
+            ("*_wrist_*", "l_wrist", false),
+            ("l_*", "l_", true),
+            ("*", "", true),
+            ("a*b*c", "aXbYbZc", true),
+            ("a*b*c", "ac", false),
+            ("ab*ba", "aba", false),
+        ] {
+            assert_eq!(matches(pattern, name), holds, "{pattern} {name}");
+        }
     }
 }

@@ -34,6 +34,7 @@ impl Model {
             torso: roles.torso.clone(),
             base_pitch: pitch.map(|pitch| numbers(pitch, Revolute::LIMITS)),
             feet: roles.feet.clone(),
+            locked: Vec::new(),
             inertias: Inertias::Kept,
             forward: roles.forward,
             bodies: self.bodies[root..].iter().map(|body| spanned(self.body_entry(body))).collect(),

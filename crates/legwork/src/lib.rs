@@ -15,6 +15,7 @@
 //! # Ok::<(), legwork::error::Error>(())
 //! ```
 
+pub mod adopt;
 pub mod balance;
 #[cfg(feature = "clock")]
 pub mod clock;

@@ -108,22 +108,31 @@ impl<'a, 'b> Meshes<'a, 'b> {
         let path = self.compiler.mesh_path(file);
         let bytes =
             (self.read)(&path).map_err(|unread| element.invalid(format!("file {}: {unread}", quoted(&path))))?;
-        let lower = file.to_ascii_lowercase();
-        let read = if lower.ends_with(".stl") {
-            stl(&bytes)
-        } else if lower.ends_with(".obj") {
-            obj(&bytes)
-        } else if lower.ends_with(".msh") {
-            msh(&bytes)
-        } else {
-            let problem = format!(
-                "file {}: valid for a volume are .stl, .obj and .msh; give the bodies an <inertial>",
-                quoted(&path)
-            );
-            return Err(element.invalid(problem));
-        };
+        let read = of_file(file, &bytes).unwrap_or_else(|| {
+            Err("valid for a volume are .stl, .obj and .msh; give the bodies an <inertial>".to_owned())
+        });
         read.map_err(|problem| element.invalid(format!("file {}: {problem}", quoted(&path))))
     }
+}
+
+/// The triangles of a mesh in a format that its name tells; none of another.
+fn of_file(name: &str, bytes: &[u8]) -> Option<Result<Triangles, String>> {
+    let reader = match name.rsplit_once('.')?.1.to_ascii_lowercase().as_str() {
+        "stl" => stl,
+        "obj" => obj,
+        "msh" => msh,
+        _ => return None,
+    };
+    Some(reader(bytes))
+}
+
+/// The corners of the triangles of a mesh [m], from the `bytes` of the file `name`: STL, OBJ or MuJoCo's MSH.
+///
+/// # Errors
+/// The file is damaged, or of another format.
+pub fn mesh_corners(name: &str, bytes: &[u8]) -> Result<Vec<Vector3<f64>>, String> {
+    let read = of_file(name, bytes).ok_or("valid are .stl, .obj and .msh")??;
+    Ok(read.into_iter().flatten().collect())
 }
 
 /// The corners and faces of a mesh without a file.

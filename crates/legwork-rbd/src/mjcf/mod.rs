@@ -13,6 +13,7 @@ mod inertia;
 mod mesh;
 mod robot;
 
+pub use mesh::mesh_corners;
 use std::collections::{BTreeMap, HashSet};
 
 use nalgebra::{Matrix3, Vector3};
@@ -104,6 +105,8 @@ pub(crate) fn read_mjcf(
         frames: named_frames,
         warnings: all,
         inertias: side.inertias,
+        locked: side.locked,
+        locks_massless: true,
         roles: Roles {
             file: side_name.to_owned(),
             torso: side.torso,

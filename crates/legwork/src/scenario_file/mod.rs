@@ -16,7 +16,6 @@ use toml::de::{DeTable, DeValue};
 
 use crate::error::Error;
 use crate::library::{self, Kind, load_model, load_samples, model_text};
-use crate::names::matches;
 use crate::posture;
 use crate::robot::Robot;
 use crate::scenario::{Scenario, TrajectoryKind};
@@ -24,6 +23,7 @@ use crate::settings::{Setting, at, tree};
 use crate::wearer;
 use draft::{Draft, Places, Source};
 use legwork_rbd::content::Content;
+use legwork_rbd::words::matches;
 
 pub use write::to_toml;
 
