@@ -218,6 +218,28 @@ fn joints_turn_about_their_anchors_and_begin_at_their_references() {
 }
 
 #[test]
+fn a_ball_joint_turns_its_body_about_its_anchor() {
+    let text = "<mujoco><worldbody><body name=\"a\"><body name=\"b\" pos=\"1 0 0\">\
+        <joint name=\"hip\" type=\"ball\" pos=\"0 0 1\" damping=\"0.5\" armature=\"0.2\" stiffness=\"3\"/>\
+        <geom size=\"0.1\" mass=\"2\"/></body></body></worldbody></mujoco>";
+    let model = read(text).unwrap();
+    assert_eq!(model.q_names(), ["hip_qw", "hip_qx", "hip_qy", "hip_qz"]);
+    assert_eq!(model.warnings()[0], "line 1: joint \"hip\": stiffness of a ball joint is ignored");
+    // A quarter turn about y, so that what hung below the anchor is behind it.
+    let half = PI / 4.0;
+    let q = [half.cos(), 0.0, half.sin(), 0.0];
+    assert_close("turned", place(&model, &q, "b").1.as_slice(), &[0.0, 0.0, 1.0], 1e-15);
+    let mut dynamics = Dynamics::new(&model);
+    dynamics.update(&model, &q, &[0.0, 3.0, 0.0]);
+    // About the anchor, at a distance of 1 m, and about the line to it.
+    let (own, apart) = (0.4 * 2.0 * 0.01, 2.0);
+    let expected = Matrix3::from_diagonal(&Vector3::new(own + apart + 0.2, own + apart + 0.2, own + 0.2));
+    assert_close("M", dynamics.mass_matrix.as_slice(), expected.as_slice(), 1e-14);
+    assert_close("damping", dynamics.damping.as_slice(), &[0.0, 1.5, 0.0], 1e-15);
+    assert_close("energy", &[dynamics.kinetic_energy], &[0.5 * (own + apart + 0.2) * 9.0], 1e-14);
+}
+
+#[test]
 fn defaults_come_from_the_nearest_class() {
     let text = r#"<mujoco>
       <compiler angle="radian"/>
