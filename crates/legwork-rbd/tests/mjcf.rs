@@ -421,6 +421,30 @@ fn a_robot_in_two_files_with_a_side_file() {
 }
 
 #[test]
+fn what_a_file_holds_decides_what_it_is_read_as() {
+    let folder = std::env::temp_dir().join(format!("legwork-mjcf-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = |name: &str, text: &str| {
+        std::fs::write(folder.join(name), text).unwrap();
+        Model::load(&folder.join(name)).map_err(|error| error.to_string())
+    };
+    let robot = one("", "<geom size=\"0.1\"/>");
+    for name in ["a.xml", "b.mjcf", "C.XML"] {
+        assert_eq!(file(name, &robot).unwrap().v_names(), ["j"]);
+    }
+    let urdf = std::fs::read_to_string(crate_path("tests/data/biped18.urdf")).unwrap();
+    assert_eq!(file("d.xml", &urdf).unwrap().nv(), 18);
+    assert!(file("e.mjcf", &urdf).unwrap_err().ends_with("e.mjcf: no <mujoco> element; this is not MJCF"));
+    std::fs::write(folder.join("a.legwork.toml"), "gravity_mps2 = 1.62\npassive = [\"j\"]").unwrap();
+    let model = Model::load(&folder.join("a.xml")).unwrap();
+    assert_eq!((model.gravity, model.actuated().count()), (1.62, 0));
+    std::fs::write(folder.join("a.legwork.toml"), "passive = [\"k\"]").unwrap();
+    let refused = Model::load(&folder.join("a.xml")).unwrap_err().to_string();
+    assert!(refused.ends_with("a.legwork.toml: passive: unknown joint \"k\"; valid are j"), "{refused}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
 fn files_that_are_missing_or_included_twice_are_named() {
     let gone = ROBOT.replace("biped_leg.xml", "gone.xml");
     refused(&gone, "r.xml:26: include: file \"gone.xml\": no such file or folder");
