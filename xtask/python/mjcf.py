@@ -194,6 +194,10 @@ class RandomRobot:
         axis = f' axis="{row(self.random.normal(size=3))}"'
         return f'<joint name="{name}"{kind}{self.in_class()}{axis}{place}{reference}{limits}{spring}/>'
 
+    def ball(self):
+        self.joints += 1
+        return f'<joint name="j{self.joints}" type="ball" pos="{row(self.vector(0.3))}" stiffness="0"/>'
+
     def geom(self):
         kind = self.random.choice(["sphere", "capsule", "cylinder", "box", "ellipsoid"])
         weight = self.random.choice(["", ' mass="1.5"', ' density="300"', ' mass="0"'])
@@ -216,6 +220,8 @@ class RandomRobot:
         self.bodies += 1
         name = "" if self.random.random() < 0.2 else f'name="b{self.bodies}" '
         parts = [self.joint() for _ in range(self.random.integers(0, 4))] if depth else [self.joint()]
+        if self.random.random() < 0.15:
+            parts = [self.ball()]
         # What weighs whatever the compiler leaves out.
         parts += ['<geom size="0.1" group="1"/>'] + [self.geom() for _ in range(self.random.integers(0, 3))]
         parts += [self.inertial()] if self.random.random() < 0.4 else []

@@ -218,6 +218,28 @@ fn joints_turn_about_their_anchors_and_begin_at_their_references() {
 }
 
 #[test]
+fn a_ball_joint_turns_its_body_about_its_anchor() {
+    let text = "<mujoco><worldbody><body name=\"a\"><body name=\"b\" pos=\"1 0 0\">\
+        <joint name=\"hip\" type=\"ball\" pos=\"0 0 1\" damping=\"0.5\" armature=\"0.2\" stiffness=\"3\"/>\
+        <geom size=\"0.1\" mass=\"2\"/></body></body></worldbody></mujoco>";
+    let model = read(text).unwrap();
+    assert_eq!(model.q_names(), ["hip_qw", "hip_qx", "hip_qy", "hip_qz"]);
+    assert_eq!(model.warnings()[0], "line 1: joint \"hip\": stiffness of a ball joint is ignored");
+    // A quarter turn about y, so that what hung below the anchor is behind it.
+    let half = PI / 4.0;
+    let q = [half.cos(), 0.0, half.sin(), 0.0];
+    assert_close("turned", place(&model, &q, "b").1.as_slice(), &[0.0, 0.0, 1.0], 1e-15);
+    let mut dynamics = Dynamics::new(&model);
+    dynamics.update(&model, &q, &[0.0, 3.0, 0.0]);
+    // About the anchor, at a distance of 1 m, and about the line to it.
+    let (own, apart) = (0.4 * 2.0 * 0.01, 2.0);
+    let expected = Matrix3::from_diagonal(&Vector3::new(own + apart + 0.2, own + apart + 0.2, own + 0.2));
+    assert_close("M", dynamics.mass_matrix.as_slice(), expected.as_slice(), 1e-14);
+    assert_close("damping", dynamics.damping.as_slice(), &[0.0, 1.5, 0.0], 1e-15);
+    assert_close("energy", &[dynamics.kinetic_energy], &[0.5 * (own + apart + 0.2) * 9.0], 1e-14);
+}
+
+#[test]
 fn defaults_come_from_the_nearest_class() {
     let text = r#"<mujoco>
       <compiler angle="radian"/>
@@ -396,6 +418,30 @@ fn a_robot_in_two_files_with_a_side_file() {
     let path = crate_path("tests/data/biped.xml");
     let (loaded, _) = Model::load_with_roles(&path, None).unwrap();
     assert_eq!((loaded.nv(), loaded.gravity, loaded.total_mass()), (10, 9.81, model.total_mass()));
+}
+
+#[test]
+fn what_a_file_holds_decides_what_it_is_read_as() {
+    let folder = std::env::temp_dir().join(format!("legwork-mjcf-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = |name: &str, text: &str| {
+        std::fs::write(folder.join(name), text).unwrap();
+        Model::load(&folder.join(name)).map_err(|error| error.to_string())
+    };
+    let robot = one("", "<geom size=\"0.1\"/>");
+    for name in ["a.xml", "b.mjcf", "C.XML"] {
+        assert_eq!(file(name, &robot).unwrap().v_names(), ["j"]);
+    }
+    let urdf = std::fs::read_to_string(crate_path("tests/data/biped18.urdf")).unwrap();
+    assert_eq!(file("d.xml", &urdf).unwrap().nv(), 18);
+    assert!(file("e.mjcf", &urdf).unwrap_err().ends_with("e.mjcf: no <mujoco> element; this is not MJCF"));
+    std::fs::write(folder.join("a.legwork.toml"), "gravity_mps2 = 1.62\npassive = [\"j\"]").unwrap();
+    let model = Model::load(&folder.join("a.xml")).unwrap();
+    assert_eq!((model.gravity, model.actuated().count()), (1.62, 0));
+    std::fs::write(folder.join("a.legwork.toml"), "passive = [\"k\"]").unwrap();
+    let refused = Model::load(&folder.join("a.xml")).unwrap_err().to_string();
+    assert!(refused.ends_with("a.legwork.toml: passive: unknown joint \"k\"; valid are j"), "{refused}");
+    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]

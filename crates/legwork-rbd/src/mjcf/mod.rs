@@ -315,7 +315,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
         let Some(read) = Kind::ALL.iter().find(|known| known.name == kind).and_then(|known| known.read) else {
             let problem = match joint.kind {
                 JointType::Free => "a free joint moves a body of the world and is its only joint",
-                _ => "is a ball joint, which is not supported; give three hinges",
+                _ => "is of a type that is not supported",
             };
             return Err(self.source.invalid(joint.line, subject, problem));
         };
