@@ -99,6 +99,8 @@ mod tests {
             }
             assert_eq!((robot.q(), robot.v()), (alone.q(), alone.v()), "robot {index}");
             assert_ne!(robot.v(), [0.0; 7]);
+            // Motors without delay and lag give what is wanted.
+            assert_eq!(robot.applied_torques(), &torques[4 * index..][..4]);
         }
     }
 
