@@ -157,7 +157,9 @@ fn a_dropped_box_rebounded_by_what_the_step_had_gone_too_far() {
                 rebound = rebound.max(simulator.v()[1]);
             }
             assert!(rebound < 1e-3 * fastest, "{speed} m/s, phase {phase}: {rebound} of {fastest} m/s");
-            assert!((simulator.q()[1] - 0.05).abs() < 1e-5 && simulator.v()[1].abs() < 1e-9);
+            // The gap that the impact left is closed but for the tolerance of the forces, 1e-6 N on 10 kg for a step.
+            let gap = simulator.q()[1] - 0.05;
+            assert!(gap.abs() < 1e-9 && simulator.v()[1].abs() < 1e-9, "{speed} m/s, phase {phase}: {gap} m");
         }
     }
 }

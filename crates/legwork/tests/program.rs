@@ -558,7 +558,8 @@ fn the_torques_are_held_while_what_is_sensed_is_no_state() {
     {
         let sound = controller.tick(&state.estimate, &state.dynamics).clone();
         assert!(sound.torque.iter().any(|torque| torque.abs() > 1.0), "{sound:?}");
-        assert_eq!((controller.latest().program.status, controller.latest().program.solves), (Status::Optimal, 1));
+        let program = controller.program().expect("it solves one");
+        assert_eq!((program.status, program.solves), (Status::Optimal, 1));
         assert!(controller.latest().solution.rho[1] > 100.0);
         for _ in 0..2 {
             assert_eq!(*controller.tick(sensed, dynamics), sound);
@@ -595,5 +596,30 @@ fn after_a_bad_sample_the_torques_were_free_to_jump() {
         assert!((change - 0.5).abs() < 1e-9, "{torque:?} after {before:?}");
         before = torque;
         assert_eq!(controller.tick(&no_state, &state.dynamics).torque, before);
+    }
+}
+
+/// A slippery patch below the left foot: in its rows of (4.16) and in no others.
+#[test]
+fn each_foot_has_the_friction_of_the_ground_below_it() {
+    let mut state = states("stand", 4000).remove(0);
+    state.estimate.q[5] += 0.4;
+    state.dynamics.update(&state.model, &state.estimate.q, &state.estimate.v);
+    let [right, left] = [0, 1].map(|foot| state.dynamics.contact_positions[foot].x);
+    assert!((right - left).abs() > 0.1, "{right} m and {left} m");
+    state.scenario.ground.friction = 0.8;
+    (state.scenario.ground.patches, state.scenario.ground.relief_known) = (vec![[left - 0.05, left + 0.05, 0.3]], true);
+    let mut controller =
+        state.scenario.momentum_controller(&state.model, &[], &state.estimate).expect("the model fits");
+    controller.tick(&state.estimate, &state.dynamics);
+    assert_eq!([0, 1].map(|foot| controller.ground()[foot].friction), [0.8, 0.3]);
+    let (layout, problem) = (controller.layout(), controller.problem());
+    for (contact, friction) in [0.8, 0.3].into_iter().enumerate() {
+        for (side, along) in [1.0, -1.0].into_iter().enumerate() {
+            let row = problem.row(layout.friction_rows.start + 3 * contact + 1 + side);
+            let force = layout.rho.start + 2 * contact;
+            assert_eq!(row[force..force + 2], [along, -friction]);
+            assert_eq!(row.iter().filter(|&&entry| entry != 0.0).count(), 2);
+        }
     }
 }
