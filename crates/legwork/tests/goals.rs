@@ -242,6 +242,7 @@ impl Walker {
     fn with_xcom(&mut self, x: f64) -> Phase {
         self.observation.com.x = x;
         self.machine.update(&self.observation, &self.com);
+        assert_eq!(self.machine.xcom(), x);
         self.machine.phase()
     }
 }
