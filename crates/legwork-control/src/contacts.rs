@@ -121,3 +121,127 @@ impl Contacts {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A robot with point feet on level ground, in what it is told.
+    struct Told {
+        model: Robot,
+        ground: Terrain,
+        dynamics: Dynamics,
+        feet: FeetMotion,
+        sensed: Sensed,
+        contacts: Contacts,
+        footing: [Footing; 2],
+        /// Along x and z, of the right point and of the left.
+        forces: [f64; 4],
+    }
+
+    impl Told {
+        fn new() -> Self {
+            let text = include_str!("../../../models/planar_humanoid.toml");
+            let model = Robot::from_toml(text, "humanoid").expect("a sound model");
+            let mut told = Self {
+                ground: Terrain::plane(&model, 0.8, [0.0; 2]),
+                dynamics: Dynamics::new(&model),
+                feet: FeetMotion::new(&model),
+                sensed: Sensed::new(&model),
+                contacts: Contacts::new(&model),
+                footing: [Footing::Stands; 2],
+                forces: [0.0; 4],
+                model,
+            };
+            told.raise(0.0, 0.0);
+            told
+        }
+
+        /// Puts the robot so high above where it began, with this speed upward.
+        fn raise(&mut self, height: f64, speed: f64) {
+            (self.sensed.q[1], self.sensed.v[1]) = (height, speed);
+            self.dynamics.update(&self.model, &self.sensed.q, &self.sensed.v);
+            self.feet.update(&self.model, &self.dynamics);
+        }
+
+        /// A tick later by `period` with these flags: whether the points are taken to stand. They may be 2 mm from where they were felt.
+        fn tick(&mut self, period: f64, flags: [bool; 2]) -> [bool; 2] {
+            self.sensed.time += period;
+            for (point, flag) in self.sensed.contacts.iter_mut().zip(flags) {
+                point.touching = flag;
+            }
+            let seen = (&self.dynamics, &self.feet);
+            let world = (&self.model, &self.ground);
+            self.contacts.update(0.002, world, &self.sensed, seen, (&self.footing, &self.forces));
+            [0, 1].map(|index| self.contacts.points()[index].touching)
+        }
+    }
+
+    #[test]
+    fn a_point_that_bears_nothing_of_what_it_is_asked_for_is_given_up_and_asked_again() {
+        let mut told = Told::new();
+        assert_eq!(told.tick(0.0, [true, true]), [true, true]);
+        // The left point is asked for more than 30 N, the right one for less. Its patience of 5 ms ends in the third tick of 2 ms, and
+        // 100 ms later, in the 53rd, it is asked anew.
+        told.forces = [500.0, 29.0, 0.0, 31.0];
+        for tick in 1..=55 {
+            let is_left = !(3..53).contains(&tick);
+            assert_eq!(told.tick(0.002, [false, false]), [true, is_left], "tick {tick}");
+        }
+        // Once it is felt its patience begins anew.
+        assert_eq!(told.tick(0.002, [false, true]), [true, true]);
+        let stands: Vec<bool> = (0..3).map(|_| told.tick(0.002, [false, false])[1]).collect();
+        assert_eq!(stands, [true, true, false]);
+    }
+
+    #[test]
+    fn a_point_stands_while_it_is_about_as_high_as_where_it_was_felt() {
+        for (height, stands) in [(0.0019, true), (-0.0019, true), (0.0021, false), (-0.0021, false)] {
+            let mut told = Told::new();
+            assert_eq!(told.tick(0.001, [true, true]), [true, true]);
+            told.raise(height, 0.0);
+            assert_eq!(told.tick(0.001, [false, false]), [stands; 2], "{height} m");
+            // Back at that height stands what did and what should.
+            told.raise(0.0, 0.0);
+            told.footing = [Footing::Stands, Footing::Swings];
+            assert_eq!(told.tick(0.001, [false, false]), [true, stands], "{height} m");
+        }
+        // Felt higher up it is held against that height.
+        let mut told = Told::new();
+        told.tick(0.001, [true, true]);
+        told.raise(0.1, 0.0);
+        assert_eq!(told.tick(0.001, [true, false]), [true, false]);
+        told.raise(0.101, 0.0);
+        assert_eq!(told.tick(0.001, [false, false]), [true, false]);
+    }
+
+    #[test]
+    fn points_share_the_weight_where_nobody_measures_loads() {
+        let mut told = Told::new();
+        let weight = told.model.total_mass() * told.model.gravity;
+        let loads = |told: &Told| [0, 1].map(|index| told.contacts.points()[index].load);
+        told.tick(0.0, [true, true]);
+        // Nothing is measured for 40 ms, and then for 60.
+        for (period, expected) in [(0.02, 0.0), (0.02, 0.0), (0.02, 0.5 * weight)] {
+            told.tick(period, [true, true]);
+            assert_eq!(loads(&told), [expected; 2]);
+        }
+        told.tick(0.02, [false, true]);
+        assert_eq!(loads(&told), [0.0, weight]);
+        // What comes down at 6 cm/s bears nothing yet, at 4 cm/s it does.
+        for (speed, expected) in [(-0.06, 0.0), (-0.04, 0.5 * weight)] {
+            told.raise(0.0, speed);
+            told.tick(0.02, [true, true]);
+            assert_eq!(loads(&told), [expected; 2]);
+        }
+        // A load that is measured ends it, and so does being off the ground.
+        told.sensed.contacts[0].load = 300.0;
+        told.tick(0.02, [true, true]);
+        assert_eq!(loads(&told), [300.0, 0.0]);
+        told.sensed.contacts[0].load = 0.0;
+        for flags in [[true, true], [true, true], [false, false], [true, true], [true, true]] {
+            told.tick(0.02, flags);
+            assert_eq!(loads(&told), [0.0; 2]);
+        }
+    }
+}

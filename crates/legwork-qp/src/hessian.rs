@@ -115,3 +115,29 @@ impl Scaled {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Equalities of x and y, y and t, x and t, of which t has no cost; and x fixed.
+    #[test]
+    fn squares_are_those_of_equalities_with_a_variable_without_a_cost() {
+        let mut problem = Problem::new(3, 3);
+        (problem.hessian_mut()[0], problem.hessian_mut()[4]) = (1.0, 2.0);
+        for (i, row) in [[1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0]].into_iter().enumerate() {
+            problem.row_mut(i).copy_from_slice(&row);
+            (problem.row_lower_mut()[i], problem.row_upper_mut()[i]) = (1.0, 1.0);
+        }
+        (problem.lower_mut()[0], problem.upper_mut()[0]) = (0.5, 0.5);
+        let mut program = Scaled::new(3, 3);
+        program.load(&problem, true).unwrap();
+        let one = |c: usize| (c, 1.0);
+        for (squares, expected) in
+            [(Squares::None, &[][..]), (Squares::OfFreeVariables, &[1, 2]), (Squares::All, &[0, 1, 2, 3])]
+        {
+            program.load_hessian(&problem, squares).unwrap();
+            assert_eq!(program.squared, expected.iter().copied().map(one).collect::<Vec<_>>(), "{squares:?}");
+        }
+    }
+}

@@ -194,6 +194,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_span_does_not_depend_on_what_is_expected() {
+        for pattern in 0..32_u32 {
+            // Zeros of both signs.
+            let zero = if pattern % 2 == 0 { 0.0 } else { -0.0 };
+            let v: Vec<f64> = (0..5).map(|k| if pattern >> k & 1 == 1 { 3.0 } else { zero }).collect();
+            let nonzero = || (0..5).filter(|&k| v[k] != 0.0);
+            let span = nonzero().next().map_or(Span::EMPTY, |first| Span { first, end: nonzero().max().unwrap() + 1 });
+            assert_eq!(Span::of(&v), span, "{v:?}");
+            for (first, end) in (0..7).flat_map(|first| (first + 1..8).map(move |end| (first, end))) {
+                assert_eq!(Span::expected(&v, Span { first, end }), span, "{v:?}, {first}..{end}");
+            }
+            assert_eq!(Span::expected(&v, Span::EMPTY), span, "{v:?}");
+        }
+    }
+
+    #[test]
     fn dot_of_all_lengths() {
         for length in 0..=40 {
             let mut numbers = zeros(length);

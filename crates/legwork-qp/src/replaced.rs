@@ -184,3 +184,75 @@ impl Replaced {
         };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const INF: f64 = f64::INFINITY;
+
+    /// `x + y + 2 s = 5` with a slack s that costs 4 s² + 4 s, `x - 4 t = 6` with a free t in −1..3, and a row of x and y alone.
+    fn problem() -> Problem {
+        let mut problem = Problem::new(4, 3);
+        for (j, cost) in [2.0, 1.0, 8.0, 0.0].into_iter().enumerate() {
+            problem.hessian_mut()[5 * j] = cost;
+        }
+        problem.gradient_mut()[2] = 4.0;
+        (problem.lower_mut()[3], problem.upper_mut()[3]) = (-1.0, 3.0);
+        for (i, (row, lower, upper)) in
+            [([1.0, 1.0, 2.0, 0.0], 5.0, 5.0), ([1.0, 0.0, 0.0, -4.0], 6.0, 6.0), ([1.0, 1.0, 0.0, 0.0], -INF, 7.0)]
+                .into_iter()
+                .enumerate()
+        {
+            problem.row_mut(i).copy_from_slice(&row);
+            (problem.row_lower_mut()[i], problem.row_upper_mut()[i]) = (lower, upper);
+        }
+        problem
+    }
+
+    fn found(problem: &Problem, slacks: bool) -> Replacements {
+        let rows: Vec<Span> = (0..3).map(|i| Span::of(problem.row(i))).collect();
+        let hessian: Vec<Span> = (0..4).map(Span::one).collect();
+        let mut replacements = Replacements::new(4, 3);
+        replacements.find(problem, &rows, &hessian, slacks);
+        replacements
+    }
+
+    #[test]
+    fn a_slack_weighs_its_row_and_a_free_variable_bounds_it() {
+        let problem = problem();
+        let free = Replaced { variable: 3, row: 1, entry: -4.0, cost: 0.0 };
+        let slack = Replaced { variable: 2, row: 0, entry: 2.0, cost: 8.0 };
+        let all = found(&problem, true);
+        assert_eq!((&all.all[..], all.slacks()), (&[free, slack][..], &[slack][..]));
+        assert_eq!([0, 1, 2, 3].map(|c| all.of(c)), [Some(slack), Some(free), None, None]);
+        assert_eq!(found(&problem, false).all, [free]);
+        // w = 8 / 2², and x = 6 + 4 t, which is lowest where t is.
+        assert_eq!((slack.weight(), free.row_bounds(&problem)), (2.0, (2.0, 18.0)));
+        assert_eq!([free.turned(1.0), free.turned(-1.0)], [1.0, -1.0]);
+        assert_eq!([slack.turned(1.0), slack.turned(-1.0)], [-1.0, 1.0]);
+        // With u = 3: 8 s = 2 u, and 8 s + 4 = 2 λ.
+        let (mut x, mut multipliers) = ([0.0; 4], [3.0, 0.0, 0.0]);
+        slack.restore_slack(&problem, &mut x, &mut multipliers);
+        assert_eq!((x[2], multipliers[0]), (0.75, 5.0));
+    }
+
+    #[test]
+    fn what_a_second_row_or_a_bound_holds_is_no_slack_and_defines_nothing() {
+        let slack = |change: &dyn Fn(&mut Problem)| {
+            let mut problem = problem();
+            change(&mut problem);
+            let found = found(&problem, true);
+            (found.all.len() - found.slacks().len(), found.slacks().len())
+        };
+        assert_eq!(slack(&|_| {}), (1, 1));
+        assert_eq!(slack(&|problem| problem.row_mut(2)[2] = 1.0), (1, 0));
+        assert_eq!(slack(&|problem| problem.lower_mut()[2] = 0.0), (1, 0));
+        assert_eq!(slack(&|problem| problem.upper_mut()[2] = 9.0), (1, 0));
+        assert_eq!(slack(&|problem| problem.row_upper_mut()[0] = 5.5), (1, 0));
+        assert_eq!(slack(&|problem| problem.row_mut(0)[..2].fill(0.0)), (1, 0));
+        assert_eq!(slack(&|problem| problem.row_mut(2)[3] = 1.0), (0, 1));
+        assert_eq!(slack(&|problem| problem.lower_mut()[3] = 3.0), (0, 1));
+        assert_eq!(slack(&|problem| problem.row_upper_mut()[1] = 6.5), (0, 1));
+    }
+}

@@ -520,3 +520,45 @@ fn relative_residuals_have_the_units_of_costs_and_equality_rows() {
     assert_eq!(found.absolute, 1e-6);
     assert!((found.relative - 1e-6 / (1e-4 * 2.0 / 16.0)).abs() < 1e-12, "{found:?}");
 }
+
+fn assert_residual(found: legwork_qp::Residual, absolute: f64, relative: f64) {
+    assert_near(&[found.absolute, found.relative], &[absolute, relative]);
+}
+
+/// Of a point with multipliers that miss each condition, every sum written out.
+#[test]
+fn relative_residuals_are_held_against_the_sums_of_all_terms() {
+    let mut p = program(&[4.0, 1.0, 1.0, 1.0], &[-4.0, -6.0], &[(&[1.0, 2.0], -INF, 3.0)]);
+    (p.upper_mut()[0], p.lower_mut()[1]) = (1.0, -5.0);
+    // The units of the variables are 1/2 and 1.
+    let found = p.kkt(&[0.5, 2.5], &[-3.5], &[-0.5, 0.25]);
+    // 2 + 2.5 − 4 + 0.5 + 3.5 = 4.5 and 0.5 + 2.5 − 6 − 0.25 + 7 = 3.75, of terms of 12.5 and 16.25 in all.
+    assert_residual(found.stationarity, 4.5, 4.5 / 12.5);
+    // 0.5 + 5 is above 3.
+    assert_residual(found.primal, 2.5, 2.5 / (3.0 + 5.5));
+    assert_residual(found.dual, 0.0, 0.0);
+    // The objective's terms are 0.5 (2 + 2.5 + 4) and 2.5 (0.5 + 2.5 + 6); those of the three multipliers follow.
+    let objective = 4.25 + 22.5;
+    let terms = objective + 3.5 * (3.0 + 5.5) + 0.5 * (1.0 + 0.5) + 0.25 * (5.0 + 2.5);
+    assert_residual(found.complementarity, 3.5 * 2.5, 3.5 * 2.5 / terms);
+
+    // Signs of sides that are infinite: of the row, whose largest term is 2 · 1, and of the second variable.
+    let found = p.kkt(&[0.5, 2.5], &[3.5], &[-0.5, -0.25]);
+    assert_residual(found.dual, 3.5, 3.5 / (16.25 / 2.0));
+    assert_residual(found.complementarity, 0.5 * 0.5, 0.25 / (objective + 0.75));
+    let found = p.kkt(&[0.5, 2.5], &[0.0], &[0.125, 0.0]);
+    // Without the row's terms: 2 + 2.5 + 4 + 0.125 half as much, and 0.5 + 2.5 + 6.
+    assert_residual(found.dual, 0.125, 0.125 / (9.0 / 0.5));
+}
+
+/// Where all terms nearly vanish residuals are held against 1e-4 of the largest ones, in the units of the variables.
+#[test]
+fn relative_residuals_of_terms_that_vanish_are_held_against_the_largest() {
+    let mut p = program(&[4.0, 0.0, 0.0, 1.0], &[1e-6, -2.5], &[]);
+    // The second component is 2.5 − 2.5, of terms of 5; the unit of the first variable is 1/2.
+    assert_residual(p.kkt(&[0.0, 2.5], &[], &[0.0, 0.0]).stationarity, 1e-6, 1e-6 / (1e-4 * 5.0 / 0.5));
+    p.lower_mut()[0] = -1e-9;
+    // The objective vanishes; the largest |x| / u or |g| u is 2.5.
+    let found = p.kkt(&[0.0, 0.0], &[], &[1.0, 0.0]).complementarity;
+    assert_residual(found, 1e-9, 1e-9 / (1e-4 * 2.5 * 2.5));
+}

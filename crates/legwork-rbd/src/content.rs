@@ -82,3 +82,56 @@ impl Content {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_is_called_by_what_it_holds() {
+        let (robot, side) = ("robot.toml", "robot.legwork.toml");
+        for (wanted, name, text, expected) in [
+            (Scenario, robot, "bodies = []", Some(Model)),
+            (Model, robot, "duration_s = 1", Some(Scenario)),
+            (Model, robot, "samples = 3", Some(Study)),
+            (Model, robot, "budget = 3", Some(Tuning)),
+            // Of several the one that is wanted, else the first.
+            (Study, robot, "samples = 3\nduration_s = 1", None),
+            (Model, robot, "samples = 3\nduration_s = 1", Some(Scenario)),
+            // A side file has a model's keys but for its bodies, and its name tells it.
+            (Model, side, "torso = 'trunk'", Some(SideFile)),
+            (Model, side, "bodies = []", None),
+            (SideFile, side, "torso = 'trunk'", None),
+            (SideFile, side, "bodies = []", None),
+            (Model, robot, "torso = 'trunk'", None),
+            (Scenario, robot, "unknown = 1", None),
+            // No TOML, but a URDF or nothing that is known.
+            (Scenario, "robot.urdf", " <?xml?><robot/>", Some(Model)),
+            (Scenario, "robot.urdf", "<html/>", None),
+            (Scenario, "robot.urdf", "robot <robot", None),
+        ] {
+            assert_eq!(Content::other_than(wanted, name, text), expected, "{wanted:?} in {name}: {text}");
+        }
+    }
+
+    #[test]
+    fn what_stands_instead_is_told_with_the_command_that_takes_it() {
+        for (found, wanted, expected) in [
+            (Scenario, Model, "found a scenario, expected a robot model; `legwork run a.legwork.toml` runs it"),
+            (Study, Scenario, "found a study, expected a scenario; `legwork study a.legwork.toml` runs it"),
+            (Tuning, Study, "found a tuning, expected a study; `legwork tune a.legwork.toml` runs it"),
+            (
+                SideFile,
+                Model,
+                "found the side file of a robot's URDF, expected a robot model; it is read with a.urdf, which is to be named",
+            ),
+            (
+                Model,
+                Scenario,
+                "found a robot model, expected a scenario; `legwork run SCENARIO --set model=a.urdf` simulates it",
+            ),
+        ] {
+            assert_eq!(found.instead_of(wanted, "a.legwork.toml"), expected);
+        }
+    }
+}

@@ -230,6 +230,18 @@ mod tests {
         assert!(!refused.is_io());
     }
 
+    /// Its length is told as zero, as that of a pipe.
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_file_that_does_not_tell_its_length_is_refused_where_it_is_too_long() {
+        let path = Path::new("/proc/version");
+        let all = read(path, 10_000).expect("less than that");
+        assert_eq!(path.metadata().expect("it is there").len(), 0);
+        let length = all.len() as u64;
+        assert_eq!(read(path, length).expect("all of it"), all);
+        assert!(matches!(read(path, length - 1), Err(Unread::TooLarge(most)) if most == length - 1));
+    }
+
     #[test]
     #[cfg(unix)]
     fn a_device_is_no_file() {

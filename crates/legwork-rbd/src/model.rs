@@ -297,3 +297,26 @@ impl Model {
         self.warnings.clone()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    #[test]
+    fn a_missing_end_is_half_a_turn_or_a_metre_away() {
+        let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
+        for (rotational, lower, upper, expected) in [
+            (true, -0.5, 2.0, Some([-0.5, 2.0])),
+            (true, -0.5, high, Some([-0.5, -0.5 + PI])),
+            (true, low, 2.0, Some([2.0 - PI, 2.0])),
+            (false, 0.25, high, Some([0.25, 1.25])),
+            (false, low, 0.25, Some([-0.75, 0.25])),
+            (false, low, high, None),
+        ] {
+            let dof = Dof { rotational, lower, upper, ..Dof::free() };
+            assert_eq!(dof.usual_range(), expected);
+        }
+    }
+}

@@ -292,3 +292,23 @@ pub(crate) fn unit_axis(
     let scaled = axis / largest;
     Ok(Unit::new_unchecked(scaled / libm::sqrt(scaled.norm_squared())))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_of_any_length_gives_its_direction() {
+        let source = Source::new("robot.toml", "");
+        let direction = |axis| unit_axis(&source, None, "joint \"a\"", axis);
+        // Squares of these sizes are no numbers, or zero.
+        for size in [1.0, 5.0, 1e-3, 1e200, 1e-200] {
+            let found = direction([0.0, -3.0 * size, 4.0 * size]).expect("a direction");
+            assert!((*found - Vector3::new(0.0, -0.6, 0.8)).norm() < 1e-15, "{size}: {found:?}");
+        }
+        // One of unit length is kept to the last bit.
+        let third = 1.0 / 3.0_f64.sqrt();
+        assert_eq!(direction([third; 3]).expect("a direction").as_slice(), [third; 3]);
+        assert!(direction([0.0; 3]).expect_err("none").to_string().contains("axis is zero"));
+    }
+}

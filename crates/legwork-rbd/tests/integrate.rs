@@ -72,6 +72,26 @@ fn series_meets_the_closed_form_at_its_border() {
     assert_close("border", &above, &below, 1e-13);
 }
 
+/// A turn by φ about z while moving forward: the quaternion `(cos φ/2, 0, 0, sin φ/2)`, and the place `(sin φ, 1 − cos φ) / φ`. All of
+/// these to their last digits, from where the series is used to where it is not.
+#[test]
+fn small_turns_have_the_digits_of_their_closed_form() {
+    let model = common::biped18();
+    let q = model.neutral().as_slice().to_vec();
+    for turn in [1e-4_f64, 1e-3, 5e-3, 9.9e-3, 1.1e-2, 0.1] {
+        let mut v = vec![0.0; model.nv()];
+        (v[2], v[3]) = (turn, 1.0);
+        let next = moved(&model, &q, &v, 1.0);
+        let (sin, cos) = (0.5 * turn).sin_cos();
+        let expected = [(0, cos), (3, sin), (4, turn.sin() / turn), (5, 2.0 * sin * sin / turn)];
+        for (index, expected) in expected {
+            let relative = (next[index] / expected - 1.0).abs();
+            assert!(relative < 1e-15, "{turn} rad: {} instead of {expected}", next[index]);
+        }
+        assert!([1, 2, 6].iter().all(|&index| next[index] == 0.0));
+    }
+}
+
 /// A robot a kilometre away has the same dynamics to the last bit: everything is computed near its own root.
 #[test]
 fn dynamics_do_not_depend_on_the_place() {

@@ -217,7 +217,146 @@ fn energy(dynamics: &Dynamics) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::Audit;
+    use legwork_contract::robot::Robot;
+
+    use super::*;
+
+    const DT: f64 = 0.001;
+
+    fn close_to(found: f64, expected: f64) {
+        assert!((found - expected).abs() <= 1e-12 * expected.abs(), "{found} instead of {expected}");
+    }
+
+    fn humanoid() -> Robot {
+        let text = include_str!("../../../models/planar_humanoid.toml");
+        Robot::from_toml(text, "humanoid").expect("a sound model")
+    }
+
+    /// On level ground in space, of friction 0.5.
+    #[test]
+    fn a_contact_is_entered_with_its_work_its_slip_and_what_it_has_too_much() {
+        let text = "name = \"box\"\nbase = \"floating\"\ntorso = \"box\"\n[[bodies]]\nname = \"box\"\nmass_kg = 1.0\n\
+                    inertia_kgm2 = { xx = 0.1, yy = 0.1, zz = 0.1 }";
+        let model = Model::from_toml(text, "box").expect("a sound model");
+        let ground = Surface::new(&model, 0.5, [0.0; 2]);
+        let mut audit = Audit::default();
+        // 5 N against a slip of 0.5 m/s, under a load of 8 N, for half a step.
+        let (before, after, slip) = ([1.0, 0.0, -2.0], [0.2, -0.5, 0.0], [0.3, -0.4, 0.0]);
+        let work = audit.contact(&ground, [DT, 0.5 * DT], &[-0.003, 0.004, 0.008], [&before, &after], &slip);
+        close_to(work, -0.003 * 0.6 - 0.004 * 0.25 - 0.008);
+        close_to(audit.friction_excess_n, 5.0 - 0.5 * 8.0);
+        close_to(audit.slip_m, 0.5 * DT * 0.5);
+        assert!(audit.pull_n == 0.0 && audit.friction_angle_deg < 1e-12, "{audit:?}");
+        assert!((audit.impulse - Vector3::new(-0.003, 0.004, 0.008)).norm() < 1e-15);
+        // 2 N at 30 degrees to the slip: less excess, and no slip that takes no time.
+        let (sin, cos) = (0.5, 0.75_f64.sqrt());
+        audit.contact(&ground, [DT, 0.0], &[-0.002, 0.0, 0.008], [&before, &after], &[cos, sin, 0.0]);
+        close_to(audit.friction_angle_deg, 30.0);
+        close_to(audit.friction_excess_n, 1.0);
+        close_to(audit.slip_m, 2.5e-4);
+        // Neither what hardly slips nor what hardly rubs has a direction.
+        audit.contact(&ground, [DT, DT], &[0.002, 0.0, 0.008], [&before, &after], &[0.0009, 0.0, 0.0]);
+        audit.contact(&ground, [DT, DT], &[0.9e-6, 0.0, 0.008], [&before, &after], &[0.5, 0.0, 0.0]);
+        close_to(audit.friction_angle_deg, 30.0);
+        close_to(audit.slip_m, 2.5e-4 + 0.0009 * DT + 0.5 * DT);
+        // 5 N across the slip with a pull of 1 N: what does not press does not slip.
+        audit.contact(&ground, [DT, DT], &[-0.004, -0.003, -0.001], [&before, &after], &slip);
+        close_to(audit.friction_angle_deg, 90.0);
+        close_to(audit.friction_excess_n, 5.0 + 0.5);
+        close_to(audit.pull_n, 1.0);
+        close_to(audit.slip_m, 2.5e-4 + 0.0009 * DT + 0.5 * DT);
+    }
+
+    #[test]
+    fn contacts_gain_what_their_work_rises_above_its_least() {
+        let mut audit = Audit::default();
+        let mut gains = Vec::new();
+        for work in [-2.0, 0.5, -1.0, 0.25, 0.75, -0.5] {
+            audit.contact_work(work);
+            gains.push(audit.contact_gain_j);
+        }
+        assert_eq!(gains, [0.0, 0.5, 0.5, 0.5, 1.0, 1.0]);
+        assert_eq!((audit.contact_loss_j, audit.work_j), (2.0, 5.0));
+    }
+
+    /// Of a robot that stays at rest although forces act on it, so that all of their work and impulse is missing.
+    #[test]
+    fn energy_and_momentum_are_held_against_the_work_and_the_impulses_of_all_forces() {
+        let model = humanoid();
+        let mut dynamics = Dynamics::new(&model);
+        let mut q = vec![0.0; 7];
+        // Its feet are 1 cm below the ground.
+        dynamics.update(&model, &q, &[0.0; 7]);
+        q[1] = -0.01 - dynamics.contact_positions[0].z;
+        dynamics.update(&model, &q, &[0.0; 7]);
+        let terrain = Terrain::plane(&model, 0.5, [0.0; 2]);
+        let mut audit = Audit::default();
+        audit.begin(&model, &dynamics);
+        let (before, after) = ([0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0], [0.2, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+        let (mut push_force, mut damping) = ([0.0; 7], [0.0; 7]);
+        (push_force[0], damping[3]) = (50.0, 2.0);
+        let step = Step {
+            damping: &damping,
+            period: 0.002,
+            gravity: 10.0,
+            v: [&before, &after],
+            actuated: &[3, 4, 5, 6],
+            torque: &[-8.0, 1.0, 1.0, 1.0],
+            push: Vector3::new(50.0, 0.0, 0.0),
+            push_force: &push_force,
+        };
+        audit.account(&step);
+        audit.account(&step);
+        audit.close(&dynamics, &terrain);
+        // Means of 0.1 and 0.75: the motor, the push and the damping, each twice for 2 ms.
+        let [motor, push, damper] = [-8.0 * 0.75, 50.0 * 0.1, -2.0 * 0.75].map(|power: f64| 0.004 * power);
+        assert!((audit.energy_error_j - (motor + push + damper).abs()).abs() < 1e-12, "{audit:?}");
+        close_to(audit.work_j, motor.abs() + push.abs() + damper.abs());
+        close_to(audit.momentum_error_mps, 0.004 * (50.0_f64 / 72.5).hypot(10.0));
+        assert!((audit.penetration_m - 0.01).abs() < 1e-12, "{audit:?}");
+        close_to(audit.time, 0.004);
+    }
+
+    /// Just within each bound nothing is told, just beyond it this alone.
+    #[test]
+    fn every_bound_is_told_where_it_is_passed() {
+        type Change = fn(&mut Audit, f64);
+        let cases: [(&str, f64, Change); 9] = [
+            ("energy differs from the work done", 3.0, |audit, value| audit.energy_error_j = value),
+            ("energy given by contacts", 0.2, |audit, value| audit.contact_gain_j = value),
+            ("momentum differs from the impulses", 0.15, |audit, value| audit.momentum_error_mps = value),
+            ("penetration of the ground", 1e-3, |audit, value| audit.penetration_m = value),
+            ("tangential force over the friction cone", 1e-3, |audit, value| audit.friction_excess_n = value),
+            ("friction is not opposite to the slip", 0.1, |audit, value| audit.friction_angle_deg = value),
+            ("pull of the ground", 1e-6, |audit, value| audit.pull_n = value),
+            ("residual of the contact solver", 0.1, |audit, value| audit.contact_residual_n = value),
+            ("stiffness of springs and stops for the time step", 0.25, |audit, value| audit.stiffness_share = value),
+        ];
+        for (words, bound, set) in cases {
+            let told = |value: f64| {
+                // Of 50 s, and of 100 J.
+                let mut audit = Audit { work_j: 100.0, time: 50.0, ..Audit::default() };
+                set(&mut audit, value);
+                audit.violations()
+            };
+            assert_eq!(told(bound * (1.0 - 1e-9)), Vec::<String>::new());
+            for value in [bound * (1.0 + 1e-9), f64::NAN] {
+                let told = told(value);
+                assert!(told.len() == 1 && told[0].starts_with(&format!("{words}: ")), "{told:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_worst_of_all_steps_is_kept() {
+        let mut audit = Audit::default();
+        for (sweeps, residual, share) in [(3, 0.002, 0.1), (7, 0.001, 0.2), (2, 0.004, 0.05)] {
+            audit.solve(Report { sweeps, residual }, DT);
+            audit.springs(share);
+        }
+        assert_eq!((audit.contact_sweeps, audit.stiffness_share), (7, 0.2));
+        close_to(audit.contact_residual_n, 4.0);
+    }
 
     #[test]
     fn what_adds_up_over_a_run_is_held_against_its_length() {

@@ -272,7 +272,7 @@ mod tests {
     #[test]
     fn a_foot_on_four_corners_moves_as_one_whatever_the_visits_began_with() {
         let settings = SimulationSettings::default().contact;
-        let mut twists = Vec::new();
+        let (mut twists, mut loads) = (Vec::new(), Vec::new());
         for first in [0.0, 0.3, 2.0] {
             let mut solver = loaded_foot();
             solver.points[0].impulse = [0.0, 0.0, first];
@@ -288,9 +288,12 @@ mod tests {
             solver.load();
             assert!((0..6).all(|i| (twist[i] - solver.twist[0][i]).abs() < 1e-13));
             twists.push(twist);
+            loads.push(solver.points.iter().map(|point| point.impulse[2]).collect::<Vec<_>>());
         }
-        for other in &twists[1..] {
+        for (other, shared) in twists.iter().zip(&loads) {
             assert!((0..6).all(|i| (other[i] - twists[0][i]).abs() < 1e-9), "{twists:?}");
+            // Of all ways to share the load that of least norm, not that of the guess.
+            assert!((0..4).all(|k| (shared[k] - loads[0][k]).abs() < 1e-9), "{loads:?}");
         }
     }
 

@@ -740,4 +740,51 @@ mod tests {
         solve_many::<2, 3>(6.0, 0);
         solve_many::<3, 6>(6.0, 0);
     }
+
+    /// The guess on the edge of the cone slips, be it a rounding error inside.
+    #[test]
+    fn a_guess_tells_which_contacts_are_open_stick_or_slip() {
+        let mut contacts = ContactSolver::<2, 3>::new(5, 1);
+        for impulse in [[0.0, 0.0], [0.9, 2.0], [1.0, 2.0], [-1.0 + 1e-12, 2.0], [3.0, 2.0]] {
+            contacts.points.push(Point { impulse, ..Point::new(0, [0.0; 2], 0.5) });
+        }
+        let mut together = Simultaneous::new(5, 1);
+        together.find_modes(&contacts);
+        let found = together.states.iter().map(|state| match state.mode {
+            Mode::Open => "open",
+            Mode::Stick => "stick",
+            Mode::Slip { along: [tangent, 1.0], share: 0.0 } if (tangent - 0.5).abs() < 1e-8 => "slip",
+            Mode::Slip { along: [tangent, 1.0], share: 0.0 } if (tangent + 0.5).abs() < 1e-8 => "slip back",
+            Mode::Slip { .. } => "another",
+        });
+        assert_eq!(found.collect::<Vec<_>>(), ["open", "stick", "slip", "slip back", "slip"]);
+    }
+
+    /// With a friction of 0.5.
+    #[test]
+    fn impulses_that_are_handed_over_are_in_the_cone() {
+        let mut contacts = ContactSolver::<3, 6>::new(5, 1);
+        let mut together = Simultaneous::new(5, 1);
+        let slip = Mode::Slip { along: [0.3, 0.4, 1.0], share: 0.7 };
+        let cases = [
+            (Mode::Open, [1.0, 2.0, 3.0], [0.0, 0.0, 0.0]),
+            (slip, [9.0, 9.0, 2.0], [0.6, 0.8, 2.0]),
+            (slip, [9.0, 9.0, -2.0], [0.0, 0.0, 0.0]),
+            (Mode::Stick, [0.3, 0.4, 2.0], [0.3, 0.4, 2.0]),
+            // 5 of 1 that friction holds.
+            (Mode::Stick, [3.0, -4.0, 2.0], [0.6, -0.8, 2.0]),
+        ];
+        for (mode, impulse, _) in cases {
+            contacts.points.push(Point::new(0, [0.0; 3], 0.5));
+            let friction = Friction { coefficient: 0.5, nearest: false };
+            together.states.push(State { mode, friction, prior: [0.0; 3], motion: [0.0; 3], impulse });
+        }
+        together.hand_over(&mut contacts);
+        for (point, (mode, _, expected)) in contacts.points.iter().zip(cases) {
+            let off = (0..3).map(|i| (point.impulse[i] - expected[i]).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-15, "{mode:?}: {:?} instead of {expected:?}", point.impulse);
+        }
+        // And so are the wrenches.
+        assert!((contacts.total[0][0] - 1.5).abs() < 1e-15 && (contacts.total[0][2] - 6.0).abs() < 1e-15);
+    }
 }

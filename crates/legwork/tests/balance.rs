@@ -113,10 +113,14 @@ fn the_measures_of_a_record_made_by_hand() {
                 Field::Feet => &[0.1, 0.02, 0.6, 0.06],
                 Field::Touching => touching,
                 Field::Swing => swing,
+                Field::GrfSimulated => &[30.0, 300.0, -20.0, 500.0],
                 _ => &[],
             }
         };
         let measures = meter.of(get);
+        // From (0.3, 1) against (10, 800), the sum of both forces, to where z is the ground's.
+        let pivot = 0.3 - 10.0 * (1.0 - 0.3 * slope) / (800.0 - 10.0 * slope);
+        assert!((measures.cmp.expect("it is on the ground")[0] - pivot).abs() < 1e-12, "{measures:?}");
         let xcom = 0.3 + 0.5 * length(0.3, 1.0);
         assert!((measures.xcom[0] - xcom).abs() < 1e-12 && measures.xcom[1] == 0.0);
         let capture = measures.capture.expect("a foot stands");

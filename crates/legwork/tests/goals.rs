@@ -8,7 +8,7 @@ use legwork::generator::{Observation, PointReference, Reference, TurnReference};
 use legwork::library;
 use legwork::momentum::tasks::Seen;
 use legwork::planner::MotionReferencePlanner;
-use legwork::scenario::{Damping, LeastStep, Replan, Scenario, StepSettings};
+use legwork::scenario::{Damping, LeastStep, Replan, Scenario, StepSettings, Tracking};
 use legwork::terrain::Terrain;
 use legwork_rbd::Dynamics;
 use nalgebra::{Matrix3, Vector3};
@@ -123,6 +123,39 @@ fn the_goal_of_a_torso_in_space_follows_its_reference() {
     }
 }
 
+/// `P (q_0 - q) - D q̇` for each actuated joint, with `q_0` of the first tick, on a base whose positions are one more than its velocities.
+#[test]
+fn the_goal_of_the_posture_draws_the_joints_to_where_they_were_first() {
+    let model = library::load_model("exo18", None).expect("a built-in model");
+    let mut settings = Scenario::default().controller;
+    settings.tracking.posture = Tracking::Cost;
+    (settings.planner.posture_gain, settings.planner.damping) = (36.0, Damping::Critical);
+    let mut planner = MotionReferencePlanner::new(&settings, &model);
+    let mut dynamics = Dynamics::new(&model);
+    let mut feet = FeetMotion::new(&model);
+    let reference = Reference::default();
+    let first = model.neutral();
+    // D = 2 sqrt(36) = 12.
+    for (moved, speed) in [(0.0, 0.5), (0.1, 0.0), (0.1, -0.2), (-0.3, 0.4)] {
+        let (mut q, mut v) = (first.as_slice().to_vec(), vec![0.0; model.nv()]);
+        let joints: Vec<usize> = model.actuated().collect();
+        for (index, &dof) in joints.iter().enumerate() {
+            q[dof + 1] += moved * index as f64;
+            v[dof] = speed * index as f64;
+        }
+        dynamics.update(&model, &q, &v);
+        feet.update(&model, &dynamics);
+        let (dynamics, feet, reference, settings) = (&dynamics, &feet, &reference, &settings.planner);
+        planner.plan(&Seen { model: &model, dynamics, feet, q: &q, v: &v, reference, settings });
+        let goal = planner.goal("posture");
+        assert_eq!(goal.len(), joints.len());
+        for (index, goal) in goal.iter().enumerate() {
+            let expected = (-36.0 * moved - 12.0 * speed) * index as f64;
+            assert!((goal - expected).abs() < 1e-12, "joint {index}: {goal} instead of {expected}");
+        }
+    }
+}
+
 #[test]
 fn friction_rows_are_equations_4_12_to_4_16_on_a_slope() {
     let (friction, slope) = (0.6, 0.2_f64);
@@ -209,6 +242,7 @@ impl Walker {
     fn with_xcom(&mut self, x: f64) -> Phase {
         self.observation.com.x = x;
         self.machine.update(&self.observation, &self.com);
+        assert_eq!(self.machine.xcom(), x);
         self.machine.phase()
     }
 }

@@ -341,7 +341,6 @@ fn a_hard_task_is_met_or_named_infeasible() {
     assert!(met > 100 && infeasible > 0, "{met} met, {infeasible} infeasible");
 }
 
-/// (4.32): a joint brakes from where v² / (2 q̈_max) would bring it to the limit that it moves to, and not before.
 /// Each row and each bound in words, in the order of (B.1) and (B.7); a bound that demands nothing has none.
 #[test]
 fn every_row_and_every_bound_is_what_it_demands() {
@@ -386,6 +385,7 @@ fn every_row_and_every_bound_is_what_it_demands() {
     }
 }
 
+/// (4.32): a joint brakes from where v² / (2 q̈_max) would bring it to the limit that it moves to, and not before.
 #[test]
 fn a_joint_brakes_where_the_braking_distance_ends_at_its_limit() {
     let mut state = states("stand", 4000).remove(0);
@@ -486,5 +486,140 @@ fn joint_limits_yield_where_they_contradict_the_torque_limits() {
         let limits: Vec<LimitKind> = program.conflict.iter().filter_map(Condition::limit).collect();
         assert!(limits.contains(&LimitKind::Acceleration { dof: knee }), "{limits:?}");
         assert!(limits.iter().any(|limit| matches!(limit, LimitKind::Torque { .. })), "{limits:?}");
+    }
+}
+
+/// Where no joint brakes there is no braking to give up, and where no task is hard there is none to soften: the program would be the
+/// one that was solved before.
+#[test]
+fn a_program_that_would_be_the_one_before_is_not_solved_again() {
+    let knee = 3;
+    // Where forces cost less than nothing there is no minimum, whatever gives way.
+    let no_minimum = |scenario: &mut Scenario| scenario.controller.weights.grf = -1e3;
+    // Feet that must follow their reference on joints that may hardly accelerate; and a centre of mass as well, with hardly any torque.
+    let hard = |scenario: &mut Scenario| scenario.controller.tracking.feet = Tracking::Equality;
+    let stiff = |scenario: &mut Scenario| {
+        hard(scenario);
+        // Braking distances would be long.
+        scenario.controller.limits.joint_limits = JointLimits::Approach;
+        scenario.controller.limits.joint_acceleration_radps2 = 1e-3;
+    };
+    let weak = |scenario: &mut Scenario| {
+        stiff(scenario);
+        scenario.controller.tracking.momentum = Tracking::Equality;
+        scenario.controller.limits.torque_nm = 1e-3;
+    };
+    let hard_without_minimum = |scenario: &mut Scenario| {
+        hard(scenario);
+        no_minimum(scenario);
+    };
+    type Change<'a> = &'a dyn Fn(&mut Scenario);
+    let cases: [(Change<'_>, bool, Status, Fallback, u32); 7] = [
+        (&|_| {}, false, Status::Optimal, Fallback::None, 1),
+        (&stiff, false, Status::Infeasible, Fallback::AccelerationsYield, 2),
+        (&weak, false, Status::Infeasible, Fallback::TasksYield, 3),
+        (&no_minimum, false, Status::NotConvex, Fallback::HoldTorque, 2),
+        (&no_minimum, true, Status::NotConvex, Fallback::HoldTorque, 3),
+        (&hard_without_minimum, false, Status::NotConvex, Fallback::HoldTorque, 3),
+        (&hard_without_minimum, true, Status::NotConvex, Fallback::HoldTorque, 4),
+    ];
+    for (index, (change, brakes, status, fallback, solves)) in cases.into_iter().enumerate() {
+        let mut state = states("stand", 4000).remove(0);
+        // The knee moves, into the end of its range or in the midst of it.
+        state.estimate.v[knee] = 0.1;
+        if brakes {
+            (state.estimate.q[knee], state.estimate.v[knee]) = (state.model.dofs[knee].lower + 1e-3, -2.0);
+        }
+        state.dynamics.update(&state.model, &state.estimate.q, &state.estimate.v);
+        change(&mut state.scenario);
+        let mut controller =
+            state.scenario.momentum_controller(&state.model, &[], &state.estimate).expect("the model fits");
+        controller.tick(&state.estimate, &state.dynamics);
+        let tick = controller.latest();
+        assert_eq!(tick.braking[0] != 0.0, brakes, "case {index}");
+        let found = (tick.program.status, tick.program.fallback, tick.program.solves);
+        assert_eq!(found, (status, fallback, solves), "case {index}");
+    }
+}
+
+/// Neither a state that is none nor dynamics that are none change the torques; nothing else is told of that tick.
+#[test]
+fn the_torques_are_held_while_what_is_sensed_is_no_state() {
+    let state = states("stand", 4000).remove(0);
+    let mut controller =
+        state.scenario.momentum_controller(&state.model, &[], &state.estimate).expect("the model fits");
+    assert!(controller.command().torque.iter().all(|&torque| torque == 0.0), "before the first tick");
+    let mut no_state = state.estimate.clone();
+    no_state.q[1] = f64::NAN;
+    let [mut no_place, mut no_velocity] = [state.dynamics.clone(), state.dynamics.clone()];
+    (no_place.com.z, no_velocity.com_velocity.x) = (f64::NAN, f64::INFINITY);
+    for (sensed, dynamics) in
+        [(&no_state, &state.dynamics), (&state.estimate, &no_place), (&state.estimate, &no_velocity)]
+    {
+        let sound = controller.tick(&state.estimate, &state.dynamics).clone();
+        assert!(sound.torque.iter().any(|torque| torque.abs() > 1.0), "{sound:?}");
+        let program = controller.program().expect("it solves one");
+        assert_eq!((program.status, program.solves), (Status::Optimal, 1));
+        assert!(controller.latest().solution.rho[1] > 100.0);
+        for _ in 0..2 {
+            assert_eq!(*controller.tick(sensed, dynamics), sound);
+            let tick = controller.latest();
+            let (program, solution) = (&tick.program, &tick.solution);
+            assert_eq!((program.status, program.fallback), (Status::InvalidInput, Fallback::HoldTorque));
+            assert_eq!((program.solves, program.iterations, program.conflict.len()), (0, 0, 0));
+            let rest = [&solution.qdd, &solution.rho, &solution.slack];
+            assert!(rest.into_iter().flatten().all(|&value| value == 0.0), "{solution:?}");
+            assert!(tick.active.iter().all(|&side| side == 0));
+        }
+    }
+}
+
+/// Nothing was before the first tick, whose torques are free; then the rate holds, of what is held over a bad sample too.
+#[test]
+fn after_a_bad_sample_the_torques_were_free_to_jump() {
+    let mut state = states("stand", 4000).remove(0);
+    // In 1 ms: 0.5 Nm.
+    state.scenario.controller.limits.torque_rate_nmps = 500.0;
+    let mut controller =
+        state.scenario.momentum_controller(&state.model, &[], &state.estimate).expect("the model fits");
+    let mut no_state = state.estimate.clone();
+    no_state.v[3] = f64::NAN;
+    assert_eq!(*controller.tick(&no_state, &state.dynamics).torque, [0.0; 4]);
+    let mut before = controller.tick(&state.estimate, &state.dynamics).torque.clone();
+    assert!(before.iter().any(|torque| torque.abs() > 2.0), "the first torques are free: {before:?}");
+    // Pushed over, it wants other torques, and gets as far as it may.
+    state.estimate.v[0] = 1.0;
+    state.dynamics.update(&state.model, &state.estimate.q, &state.estimate.v);
+    for _ in 0..3 {
+        let torque = controller.tick(&state.estimate, &state.dynamics).torque.clone();
+        let change = torque.iter().zip(&before).map(|(now, before)| (now - before).abs()).fold(0.0, f64::max);
+        assert!((change - 0.5).abs() < 1e-9, "{torque:?} after {before:?}");
+        before = torque;
+        assert_eq!(controller.tick(&no_state, &state.dynamics).torque, before);
+    }
+}
+
+/// A slippery patch below the left foot: in its rows of (4.16) and in no others.
+#[test]
+fn each_foot_has_the_friction_of_the_ground_below_it() {
+    let mut state = states("stand", 4000).remove(0);
+    state.estimate.q[5] += 0.4;
+    state.dynamics.update(&state.model, &state.estimate.q, &state.estimate.v);
+    let [right, left] = [0, 1].map(|foot| state.dynamics.contact_positions[foot].x);
+    assert!((right - left).abs() > 0.1, "{right} m and {left} m");
+    state.scenario.ground.friction = 0.8;
+    (state.scenario.ground.patches, state.scenario.ground.relief_known) = (vec![[left - 0.05, left + 0.05, 0.3]], true);
+    let mut controller =
+        state.scenario.momentum_controller(&state.model, &[], &state.estimate).expect("the model fits");
+    controller.tick(&state.estimate, &state.dynamics);
+    assert_eq!([0, 1].map(|foot| controller.ground()[foot].friction), [0.8, 0.3]);
+    let (layout, problem) = (controller.layout(), controller.problem());
+    for (contact, friction) in [0.8, 0.3].into_iter().enumerate() {
+        for (side, along) in [1.0, -1.0].into_iter().enumerate() {
+            let row = problem.row(layout.friction_rows.start + 3 * contact + 1 + side);
+            let force = layout.rho.start + 2 * contact;
+            assert_eq!(row[force..force + 2], [along, -friction]);
+            assert_eq!(row.iter().filter(|&&entry| entry != 0.0).count(), 2);
+        }
     }
 }

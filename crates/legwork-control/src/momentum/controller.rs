@@ -106,6 +106,8 @@ pub struct MomentumController {
     solver: Solver,
     stance: Vec<bool>,
     torque_before: Vec<f64>,
+    /// Whether a program was solved in a tick so far: else no torques were before.
+    has_solved: bool,
     prediction: Option<Prediction>,
     tick: Tick,
     command: Command,
@@ -122,6 +124,7 @@ impl MomentumController {
             solver: Solver::new(layout.variables(), layout.rows()),
             stance: vec![false; model.contacts.len()],
             torque_before: vec![0.0; actuated],
+            has_solved: false,
             tick: Tick {
                 program: Program::new([layout.variables(), layout.rows()]),
                 solution: Solution::new(&layout),
@@ -235,13 +238,13 @@ impl MomentumController {
             ground: &self.ground,
             weights: &settings.weights,
             limits: &settings.limits,
-            // Each tick solves at least one program.
-            torque_before: (self.tick.program.solves > 0).then_some(&self.torque_before[..]),
+            torque_before: self.has_solved.then_some(&self.torque_before[..]),
             period: settings.period_s,
             relaxed: Relaxation::default(),
         };
         // Contacts that come back meet the limits that they met before.
         self.solver.select_mode(self.stance.iter().fold(0, |mode, &stands| mode << 1 | u64::from(stands)));
+        self.has_solved = true;
         let tick = &mut self.tick;
         tick.program.begin();
         let hard_tasks = self.layout.tasks().iter().any(|task| task.how == Tracking::Equality);
