@@ -11,7 +11,7 @@ use legwork_rbd::{Base, Model, Roles, file};
 
 use crate::args::{AdoptArgs, BaseArg};
 use crate::inspect::model_text;
-use crate::output::{Failure, Output, folded, write_text};
+use crate::output::{Failure, Output, folded, say, write_text};
 use crate::summary::outcome;
 
 /// So long each scenario is tried [s].
@@ -26,7 +26,8 @@ pub(crate) fn adopt(options: &AdoptArgs, output: &mut Output) -> Result<ExitCode
     let understood = if model.nc() == 0 {
         let wanted = Wanted { feet: options.feet.clone(), torso: options.torso.clone() };
         let side_name = files.side.display().to_string();
-        let understood = understand(&model, &roles, &wanted, &|mesh| read_mesh(path, mesh), &side_name)?;
+        let understood = understand(&model, &roles, &wanted, &|mesh| read_mesh(path, mesh), &side_name);
+        let understood = understood.map_err(|lacking| with_lines(lacking.error, &lacking.lines))?;
         planar = match options.base {
             Some(base) => base == BaseArg::Planar,
             None => understood.sideways.is_empty(),
@@ -34,10 +35,8 @@ pub(crate) fn adopt(options: &AdoptArgs, output: &mut Output) -> Result<ExitCode
         text += &told(&understood);
         let side = understood.side_file(&files.name, planar);
         if files.side.exists() {
-            let problem = format!(
-                "is there already and names no contact points; add what is missing of these lines, or delete the file:\n{side}"
-            );
-            return Err(Error::invalid(side_name, problem).into());
+            let problem = "is there already and names no contact points; add what is missing of the lines above, or delete the file";
+            return Err(with_lines(Error::invalid(side_name, problem), &side).into());
         }
         write_text(&files.side, &side)?;
         Some(understood)
@@ -59,6 +58,14 @@ pub(crate) fn adopt(options: &AdoptArgs, output: &mut Output) -> Result<ExitCode
         output.line(format!("\nnext: legwork run {} --report report.html", first.display()))?;
     }
     Ok(if stands { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// The error, once the lines that would help have been said.
+fn with_lines(error: Error, lines: &str) -> Error {
+    if !lines.is_empty() {
+        say(lines);
+    }
+    error
 }
 
 /// The files about a robot, each beside its own.
@@ -143,7 +150,7 @@ fn tried(scenario: &Path) -> (String, bool) {
 /// The bytes of a mesh that a robot's file names: beside it, or for `package://NAME/REST` in a folder above that holds NAME or REST.
 pub(crate) fn read_mesh(robot: &Path, mesh: &str) -> Option<Vec<u8>> {
     let mesh = mesh.strip_prefix("file://").unwrap_or(mesh);
-    let folder = robot.parent()?;
+    let folder = robot.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let read = |path: PathBuf| path.is_file().then(|| file::read(&path, file::TEXT).ok()).flatten();
     let Some(packaged) = mesh.strip_prefix("package://").or_else(|| mesh.strip_prefix("model://")) else {
         return read(folder.join(mesh));

@@ -58,6 +58,21 @@ pub struct Foot {
     pub points_from: String,
 }
 
+/// Why a robot cannot be taken for one that stands.
+#[derive(Debug)]
+pub struct Lacking {
+    /// What is missing.
+    pub error: Error,
+    /// Lines for its side file that would say it, where there are such.
+    pub lines: String,
+}
+
+impl From<Error> for Lacking {
+    fn from(error: Error) -> Self {
+        Self { error, lines: String::new() }
+    }
+}
+
 /// Reads the file of a mesh by the name that the robot's file has for it.
 pub type ReadMesh<'a> = &'a dyn Fn(&str) -> Option<Vec<u8>>;
 
@@ -71,14 +86,14 @@ pub fn understand(
     wanted: &Wanted,
     read_mesh: ReadMesh<'_>,
     side_file: &str,
-) -> Result<Understanding, Error> {
+) -> Result<Understanding, Lacking> {
     let links = Links::of(model, roles, read_mesh);
     let (mut feet, because) = links.feet(wanted)?;
     links.right_before_left(&mut feet);
     let (torso, torso_because) = links.torso(wanted, roles, feet)?;
     let mut found = Vec::new();
     for (foot, name) in feet.into_iter().zip(["right", "left"]) {
-        let (points, points_from) = links.sole(foot, name, side_file)?;
+        let (points, points_from) = links.sole(feet, foot, side_file)?;
         let link = model.bodies[foot].name.clone();
         found.push(Foot { name, link, because: because.clone(), points, points_from });
     }
@@ -331,7 +346,7 @@ impl<'a> Links<'a> {
     }
 
     /// The contact points of a foot in its link's frame, and what they were found from.
-    fn sole(&self, foot: usize, name: &str, side_file: &str) -> Result<(Vec<Vector3<f64>>, String), Error> {
+    fn sole(&self, feet: [usize; 2], foot: usize, side_file: &str) -> Result<(Vec<Vector3<f64>>, String), Lacking> {
         let points: Vec<_> = self.fixed_to(foot).flat_map(|body| self.points[body].iter().copied()).collect();
         if points.is_empty() {
             let unread: Vec<_> = self.fixed_to(foot).flat_map(|body| &self.shapes[body].1).collect();
@@ -340,13 +355,13 @@ impl<'a> Links<'a> {
                 0 => "has no collision shape".to_owned(),
                 _ => format!("has no collision shape that can be read ({})", list(unread)),
             };
-            return Err(Error::invalid(
-                format!("foot {}", quoted(link)),
-                format!(
-                    "{why}, so that nothing tells where its sole is; write the corners of both soles into {side_file}, such as\n  \
-                     feet = [\"right\", \"left\"]\n  contacts = [\n    {{ name = \"{name}_1\", foot = \"{name}\", body = \"{link}\", position_m = [0.1, 0.05, -0.05] }},\n  ]"
-                ),
-            ));
+            let problem = format!(
+                "{why}, so that nothing tells where its sole is; write the corners of both soles into {side_file}"
+            );
+            return Err(Lacking {
+                error: Error::invalid(format!("foot {}", quoted(link)), problem),
+                lines: self.lines(feet),
+            });
         }
         let bottom = points.iter().map(|(point, radius)| point.z - radius).fold(f64::INFINITY, f64::min);
         let touching: Vec<Vector3<f64>> = points
@@ -366,6 +381,22 @@ impl<'a> Links<'a> {
         let kinds: BTreeSet<&str> = self.fixed_to(foot).flat_map(|body| self.shapes[body].0.iter().copied()).collect();
         let from = format!("contact points are the lowest of its {}", list(kinds));
         Ok((corners.iter().map(local).collect(), from))
+    }
+
+    /// What a side file may say of two soles, with numbers to change.
+    fn lines(&self, feet: [usize; 2]) -> String {
+        let mut lines = "feet = [\"right\", \"left\"]\ncontacts = [\n".to_owned();
+        for (foot, name) in feet.into_iter().zip(["right", "left"]) {
+            for (index, [x, y]) in [[-0.05, -0.04], [-0.05, 0.04], [0.15, -0.04], [0.15, 0.04]].into_iter().enumerate()
+            {
+                let (number, link) = (index + 1, &self.model.bodies[foot].name);
+                let _ = writeln!(
+                    lines,
+                    "  {{ name = \"{name}_{number}\", foot = \"{name}\", body = {link:?}, position_m = [{x:?}, {y:?}, -0.08] }},"
+                );
+            }
+        }
+        lines + "]\n"
     }
 
     /// Joints that move out of the x-z plane.

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use nalgebra::{Matrix3, Vector3};
 
 use super::bodies::then;
+use super::collada;
 use super::compiler::Compiler;
 use super::defaults::{Defaults, Item};
 use super::files::{ReadFile, Tree};
@@ -126,12 +127,15 @@ fn of_file(name: &str, bytes: &[u8]) -> Option<Result<Triangles, String>> {
     Some(reader(bytes))
 }
 
-/// The corners of the triangles of a mesh [m], from the `bytes` of the file `name`: STL, OBJ or MuJoCo's MSH.
+/// The corners of the triangles of a mesh [m], from the `bytes` of the file `name`: STL, OBJ, Collada or MuJoCo's MSH.
 ///
 /// # Errors
 /// The file is damaged, or of another format.
 pub fn mesh_corners(name: &str, bytes: &[u8]) -> Result<Vec<Vector3<f64>>, String> {
-    let read = of_file(name, bytes).ok_or("valid are .stl, .obj and .msh")??;
+    if name.to_ascii_lowercase().ends_with(".dae") {
+        return collada::corners(bytes);
+    }
+    let read = of_file(name, bytes).ok_or("valid are .stl, .obj, .dae and .msh")??;
     Ok(read.into_iter().flatten().collect())
 }
 

@@ -6,6 +6,7 @@
 
 mod actuators;
 mod bodies;
+mod collada;
 mod compiler;
 mod defaults;
 mod files;
