@@ -28,7 +28,17 @@ pub fn free_joints(robot: &Robot) -> Vec<usize> {
 pub fn leg(robot: &Robot, foot: usize) -> Vec<usize> {
     let ways: Vec<Vec<bool>> = (0..robot.feet.len()).map(|foot| way(robot, foot)).collect();
     let own = |body: &usize| (0..ways.len()).all(|other| ways[other][*body] == (other == foot));
-    (0..robot.bodies.len()).filter(own).filter(|&body| robot.bodies[body].joint.nv() > 0).collect()
+    let mut carries_torso = vec![false; robot.bodies.len()];
+    let mut at = Some(robot.torso);
+    while let Some(body) = at {
+        carries_torso[body] = true;
+        at = robot.bodies[body].parent;
+    }
+    // A robot may be rooted in a leg: from its torso the way goes up to the root before it goes down.
+    let joints = (0..robot.bodies.len()).filter(own).filter(|&body| robot.bodies[body].joint.nv() > 0);
+    let (mut up, down): (Vec<usize>, Vec<usize>) = joints.partition(|&body| carries_torso[body]);
+    up.reverse();
+    up.into_iter().chain(down).collect()
 }
 
 /// For each body, whether its joint is on the way from the torso to a foot.

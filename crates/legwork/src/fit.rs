@@ -87,17 +87,20 @@ impl Size {
         for (dof, position) in robot.dofs.iter().zip(neutral(robot)).filter(|(dof, _)| dof.actuated) {
             q[robot.bodies[dof.body].q_index] = position;
         }
-        let mut dynamics = Dynamics::new(robot);
-        dynamics.update(robot, q.as_slice(), &vec![0.0; robot.nv()]);
-        let [right, left] = [Leg::of(robot, &dynamics, 0)?, Leg::of(robot, &dynamics, 1)?];
+        let [mut zero, mut standing] = [Dynamics::new(robot), Dynamics::new(robot)];
+        zero.update(robot, robot.neutral().as_slice(), &vec![0.0; robot.nv()]);
+        standing.update(robot, q.as_slice(), &vec![0.0; robot.nv()]);
+        // Feet are level in the zero position, and knees may not be as straight as that.
+        let length = 0.5 * (Leg::of(robot, &zero, 0)?.length + Leg::of(robot, &zero, 1)?.length);
+        let [right, left] = [Leg::of(robot, &standing, 0)?.hip, Leg::of(robot, &standing, 1)?.hip];
         let axes = robot.facing();
         let up = axes.column(2);
         Some(Self {
             mass: robot.total_mass(),
-            leg: 0.5 * (right.length + left.length),
+            leg: length,
             gravity: robot.gravity,
-            hips: axes.column(1).dot(&(left.hip - right.hip)).abs(),
-            com_above_hips: up.dot(&(dynamics.com - 0.5 * (right.hip + left.hip))),
+            hips: axes.column(1).dot(&(left - right)).abs(),
+            com_above_hips: up.dot(&(standing.com - 0.5 * (right + left))),
         })
     }
 

@@ -38,6 +38,15 @@ pub fn fit(model: &mut Model, wearer: &Wearer, exoskeleton: &Exoskeleton) -> Res
             );
             return Err(Error::invalid("wearer", problem));
         }
+        let has_strength = model.dofs.iter().any(|dof| dof.actuated && dof.effort_limit.is_finite());
+        if wearer.strength != PERSON.strength && !has_strength {
+            let problem = format!(
+                "found {}, but the joints of the model '{}' have no torque limits of their own that it could change; valid is {}, or a \
+                 model with limits",
+                wearer.strength, model.name, PERSON.strength
+            );
+            return Err(Error::invalid("wearer.strength", problem));
+        }
         scale(model, wearer, &PERSON);
     }
     for (segment, mass) in exoskeleton.masses() {
@@ -267,5 +276,8 @@ mod tests {
         let strong = Wearer { strength: 1.2, ..PERSON };
         let error = fit(&mut exo, &strong, &Exoskeleton::default()).expect_err("nor is it one that is stronger");
         assert!(error.to_string().contains("a strength of 1.2"), "{error}");
+        let mut model = load_model("planar_humanoid", None).expect("built in");
+        let error = fit(&mut model, &strong, &Exoskeleton::default()).expect_err("its joints have no limits");
+        assert!(error.to_string().contains("no torque limits of their own"), "{error}");
     }
 }

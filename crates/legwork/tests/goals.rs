@@ -8,7 +8,7 @@ use legwork::generator::{Observation, PointReference, Reference, TurnReference};
 use legwork::library;
 use legwork::momentum::tasks::Seen;
 use legwork::planner::MotionReferencePlanner;
-use legwork::scenario::{Damping, LeastStep, Replan, Scenario, StepSettings, Tracking};
+use legwork::scenario::{ByJoint, Damping, LeastStep, PostureTracking, Replan, Scenario, StepSettings};
 use legwork::terrain::Terrain;
 use legwork_rbd::Dynamics;
 use nalgebra::{Matrix3, Vector3};
@@ -128,8 +128,8 @@ fn the_goal_of_a_torso_in_space_follows_its_reference() {
 fn the_goal_of_the_posture_draws_the_joints_to_where_they_were_first() {
     let model = library::load_model("exo18", None).expect("a built-in model");
     let mut settings = Scenario::default().controller;
-    settings.tracking.posture = Tracking::Cost;
-    (settings.planner.posture_gain, settings.planner.damping) = (36.0, Damping::Critical);
+    settings.tracking.posture = PostureTracking::Cost;
+    (settings.planner.posture_gain, settings.planner.damping) = (ByJoint::All(36.0), Damping::Critical);
     let mut planner = MotionReferencePlanner::new(&settings, &model);
     let mut dynamics = Dynamics::new(&model);
     let mut feet = FeetMotion::new(&model);

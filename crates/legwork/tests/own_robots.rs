@@ -231,3 +231,28 @@ fn locked_joints_are_none() {
     let refusal = load(&["locked=[\"*_wrist_*\"]"]).model().expect_err("no such joint").to_string();
     assert!(refusal.contains("locked: no joint is called \"*_wrist_*\""), "{refusal}");
 }
+
+#[test]
+fn a_fall_of_joints_that_no_task_held_is_called_so() {
+    let model = robot(ARMS, ARMS_SIDE);
+    let sets = [
+        "duration_s=40",
+        "controller.tracking.posture=off",
+        "start.posture={ \"*_abduct\" = -1.5, \"*_shoulder\" = 1.5, \"*_elbow\" = -1.25, waist = 1.0 }",
+        "reference.stance.sway_m=[0.02, 0.03, 0.0]",
+        "reference.stance.squat_m=0.08",
+        "reference.stance.period_s=1.0",
+    ];
+    let run = run(&model, &sets).expect("it starts");
+    assert!(matches!(run.outcome, Outcome::Fell(_)), "it stands");
+    let found = run.diagnosis.expect("it fell");
+    assert_eq!(found.cause.label(), "loose-joint", "{}", found.sentence);
+    let joint = found.cause.part().expect("it names a joint");
+    assert!(FREE.contains(&joint), "{joint}");
+    assert!(
+        found.sentence.contains("no task held the") && found.sentence.contains("came to its stop at"),
+        "{}",
+        found.sentence
+    );
+    assert!(!found.sentence.contains("of lift given up"), "{}", found.sentence);
+}

@@ -49,6 +49,11 @@ pub enum FirstCause {
         /// Which.
         joint: String,
     },
+    /// A joint that no task held went where it went, to the end of its range.
+    LooseJoint {
+        /// Which.
+        joint: String,
+    },
     /// The ground below a foot was not where the controller believed it to be, rose in the way of a foot that swung, or had an edge where
     /// it came down.
     MissedGround {
@@ -75,8 +80,8 @@ pub enum FirstCause {
 }
 
 impl FirstCause {
-    /// Label and title of each cause, in the order of the enum: what a table of causes has as rows.
-    pub const LABELS: [(&'static str, &'static str); 15] = [
+    /// Label and title of each cause, in the order in which they came: what a table of causes has as rows.
+    pub const LABELS: [(&'static str, &'static str); 16] = [
         ("torque-limit", "torque limit"),
         ("torque-rate-limit", "torque rate limit"),
         ("force-limit", "contact force limit"),
@@ -92,6 +97,7 @@ impl FirstCause {
         ("sensing", "late or noisy sensing"),
         ("numerics", "numerics"),
         ("unexplained", "unexplained"),
+        ("loose-joint", "joint that no task held"),
     ];
 
     fn index(&self) -> usize {
@@ -111,6 +117,7 @@ impl FirstCause {
             Self::Sensing => 12,
             Self::Numerics => 13,
             Self::Unexplained => 14,
+            Self::LooseJoint { .. } => 15,
         }
     }
 
@@ -130,6 +137,7 @@ impl FirstCause {
             Self::TorqueLimit { joint }
             | Self::TorqueRate { joint }
             | Self::JointLimit { joint }
+            | Self::LooseJoint { joint }
             | Self::SpeedLimit { joint }
             | Self::AccelerationLimit { joint } => Some(joint),
             Self::ForceLimit { foot } | Self::Friction { foot } | Self::MissedGround { foot } => Some(foot),
@@ -174,6 +182,13 @@ pub enum What {
         lasted: f64,
         /// The foot that swung, none in double support.
         swing: Option<String>,
+    },
+    /// A joint that no task held ran into the end of its range.
+    RanLoose {
+        /// Which.
+        joint: String,
+        /// The end [rad or m].
+        end: f64,
     },
     /// A foot slid under load.
     Slid {

@@ -13,8 +13,9 @@ use crate::generator::xcom;
 use crate::log::{Field, Log};
 use crate::momentum::tasks::{feet, momentum, torso};
 use crate::momentum::{Fallback, Limit, LimitKind, Task, bounds};
+use crate::redundancy::free_joints;
 use crate::robot::Robot;
-use crate::scenario::{JointLimits, Scenario, Tracking};
+use crate::scenario::{ControllerKind, JointLimits, PostureTracking, Scenario, Tracking};
 use crate::terrain::Terrain;
 
 /// A force or torque is at its limit from this share of it on.
@@ -115,6 +116,21 @@ impl<'a> Evidence<'a> {
 
     pub(super) fn foot_name(&self, foot: usize) -> String {
         self.model.feet[foot].clone()
+    }
+
+    /// The joints that feet, torso and centre of mass leave free and that the posture task does not hold either.
+    pub(super) fn unheld(&self) -> Vec<usize> {
+        let controller = &self.scenario.controller;
+        if controller.kind != ControllerKind::Momentum {
+            return Vec::new();
+        }
+        let is_held = |dof: usize| {
+            let name = &self.model.dofs[dof].name;
+            controller.tracking.posture != PostureTracking::Off
+                && controller.weights.posture.of(name, 1.0) > 0.0
+                && controller.planner.posture_gain.of(name, 1.0) > 0.0
+        };
+        free_joints(self.model).into_iter().filter(|&dof| !is_held(dof)).collect()
     }
 
     pub(super) fn weight(&self) -> f64 {

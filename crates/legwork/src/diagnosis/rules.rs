@@ -40,6 +40,8 @@ const LOWER: f64 = 0.003;
 const MISSTEP: f64 = 0.025;
 /// Its missteps are looked for in the step that failed and in the two before.
 const STEPS_BEFORE: usize = 3;
+/// A joint is at the end of its range within this share of the range. One that starts there is a hundredth away.
+const AT_ITS_END: f64 = 2e-3;
 /// Hard tasks yielded in this share of the time in which the failure grew.
 const YIELDED: f64 = 0.3;
 /// The balance of energy is broken by this share of m g h. Sound runs stay hundreds of times below.
@@ -123,6 +125,7 @@ fn delivered<'p>(pushes: impl Iterator<Item = &'p Push>, time: f64) -> f64 {
 fn first_cause(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Option<(FirstCause, Event)> {
     let walks = matches!(evidence.steps, Steps::Walker(_));
     numerics(evidence, failure, fall)
+        .or_else(|| loose(evidence, failure))
         .or_else(|| stubbed(evidence, failure))
         .or_else(|| straddled(evidence, failure, fall))
         .or_else(|| misstep(evidence, failure).filter(|_| walks))
@@ -141,6 +144,24 @@ fn first_cause(evidence: &Evidence<'_>, failure: &Failure, fall: &Fall) -> Optio
         .or_else(|| unmet(evidence, failure))
         .or_else(|| upset(evidence, failure))
         .or_else(|| misled(evidence, failure))
+}
+
+/// A joint that no task held was at the end of its range before the failure was there; of several, the one that came there first.
+fn loose(evidence: &Evidence<'_>, failure: &Failure) -> Option<(FirstCause, Event)> {
+    let (model, log) = (evidence.model, evidence.log);
+    let reached = |dof: &usize| {
+        let joint = &model.dofs[*dof];
+        let [lower, upper] = joint.usual_range()?;
+        let near = AT_ITS_END * (upper - lower);
+        let at = |i: &usize| log.get(*i, Field::Q)[model.bodies[joint.body].q_index];
+        let is_there = |i: &usize| at(i) > joint.upper - near || at(i) < joint.lower + near;
+        let tick = (0..failure.growth.end).find(is_there)?;
+        let end = if at(&tick) < 0.5 * (lower + upper) { joint.lower } else { joint.upper };
+        Some((tick, joint.name.clone(), end))
+    };
+    let (tick, joint, end) = evidence.unheld().iter().filter_map(reached).min_by_key(|(tick, ..)| *tick)?;
+    let event = Event { time: evidence.time(tick), what: What::RanLoose { joint: joint.clone(), end } };
+    Some((FirstCause::LooseJoint { joint }, event))
 }
 
 /// The latest steps that began before the failure was there, the last first.

@@ -19,7 +19,9 @@ pub(super) fn sentence(
         _ => consequence.and_then(effect),
     };
     let missed = match (because, consequence) {
-        (Some(Event { what: What::Saturated { .. } | What::Outweighed { .. }, .. }), Some(event)) => missed(event),
+        (Some(Event { what: What::Saturated { .. } | What::Outweighed { .. }, .. }), Some(event)) => {
+            missed(evidence, event)
+        }
         _ => String::new(),
     };
     let story = match (effect, cause) {
@@ -83,8 +85,10 @@ fn effect(event: &Event) -> Option<String> {
 }
 
 /// Which task was given up meanwhile, and by how much, where that is something.
-fn missed(event: &Event) -> String {
+fn missed(evidence: &Evidence<'_>, event: &Event) -> String {
     let (missed, of) = match event.what {
+        // More than its weight is none that held the robot up: the goal grows with the error of a robot that falls.
+        What::Sank { missed, .. } if missed > evidence.weight() => return String::new(),
         What::Sank { missed, .. } => (missed, "N of lift"),
         What::Leaned { missed, .. } => (missed, "rad/s2 of the torso's task"),
         What::FootAstray { missed, .. } => (missed, "m/s2 of the foot's task"),
@@ -113,6 +117,12 @@ fn reason(evidence: &Evidence<'_>, event: &Event, consequence: Option<&Event>) -
                 false => format!("{:.0} %", 100.0 * share),
             };
             format!("{} for {long} {during}", at_limit(evidence, cause, *value)?)
+        }
+        What::RanLoose { joint, end } => {
+            let slides = evidence.joint(joint).is_some_and(|joint| !joint.rotational);
+            let end =
+                if slides { format!("{} m", rounded(*end)) } else { format!("{} deg", rounded(end.to_degrees())) };
+            format!("no task held the {}, which came to its stop at {end} at {:.2} s", plain(joint), event.time)
         }
         What::Slid { foot, by, friction, believed } => {
             let (friction, assumed) = (rounded(*friction), rounded(*believed));
