@@ -123,7 +123,7 @@ mod tests {
             (
                 SideFile,
                 Model,
-                "found the side file of a robot's URDF, expected a robot model; it is read with a.urdf, which is to be named",
+                "found the side file of a robot's URDF or MJCF, expected a robot model; it is read with a.urdf, which is to be named",
             ),
             (
                 Model,
