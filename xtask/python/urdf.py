@@ -132,7 +132,8 @@ def main():
                 continue
             what, largest = max(worst.items(), key=lambda item: item[1])
             count(f"{name}, mimic {mimic}: {model['nv']} velocities, {what} within {largest:.1e}", largest < TOLERANCE)
-    print(f"{passed} passed, {failed} failed")
+    print(f"test result: {'FAILED' if failed else 'ok'}. {passed} passed; {failed} failed")
+    sys.exit(bool(failed))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-//! Robots of other people in their formats, beside the programs that those are of: `xtask/python/mjcf.py`.
+//! Robots of other people in their formats, beside the programs that those are of: `xtask/python/mjcf.py`, `xtask/python/urdf.py`.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -12,19 +12,23 @@ pub(crate) fn test(sum: &mut Sum) {
         Ok(python) => python,
         Err(problem) => return sum.count(&format!("robots of other people: {problem}"), false),
     };
-    let Some(program) = example(sum) else { return };
-    let mut tests = Command::new(python);
-    // MuJoCo writes its log where it is started.
-    tests.arg(root().join("xtask/python/mjcf.py")).arg(program).current_dir(root().join("target"));
-    counted(tests, "the robots in MJCF", sum);
+    for (script, example, what) in
+        [("mjcf.py", "dynamics", "the robots in MJCF"), ("urdf.py", "states", "the robots in URDF")]
+    {
+        let Some(program) = built(example, sum) else { return };
+        let mut tests = Command::new(&python);
+        // MuJoCo writes its log where it is started.
+        tests.arg(root().join("xtask/python").join(script)).arg(program).current_dir(root().join("target"));
+        counted(tests, what, sum);
+    }
 }
 
-/// The program that tells the dynamics of a file.
-fn example(sum: &mut Sum) -> Option<PathBuf> {
-    let mut build = cargo(&["build", "--release", "--quiet", "--package", "legwork-rbd", "--example", "dynamics"], &[]);
+/// An example of legwork-rbd that tells the dynamics of files.
+fn built(example: &str, sum: &mut Sum) -> Option<PathBuf> {
+    let mut build = cargo(&["build", "--release", "--quiet", "--package", "legwork-rbd", "--example", example], &[]);
     if !succeeds(&mut build) {
-        sum.count("the program that tells the dynamics of a file can be built", false);
+        sum.count(&format!("the program {example} that tells the dynamics of files can be built"), false);
         return None;
     }
-    Some(root().join("target/release/examples/dynamics"))
+    Some(root().join("target/release/examples").join(example))
 }

@@ -50,7 +50,7 @@ fn commands(text: &str) -> Vec<String> {
 }
 
 fn is_command(text: &str) -> bool {
-    let known = ["run ", "list", "show ", "inspect ", "study ", "limits --", "compare --", "tune "]
+    let known = ["run ", "list", "show ", "inspect ", "adopt ", "study ", "limits --", "compare --", "tune "]
         .iter()
         .any(|name| text.starts_with(&format!("legwork {name}")));
     // Names in capitals and dots stand for something.
@@ -62,6 +62,12 @@ fn is_command(text: &str) -> bool {
 fn every_command_in_the_documents_runs() {
     let folder = std::env::temp_dir().join(format!("legwork-docs-{}", std::process::id()));
     fs::create_dir_all(&folder).expect("a folder for the commands' files");
+    let robots = folder.join("docs/robots");
+    fs::create_dir_all(&robots).expect("a folder for the robots of docs/adopt.md");
+    for entry in fs::read_dir(root().join("docs/robots")).expect("docs/robots") {
+        let file = entry.expect("an entry").path();
+        fs::copy(&file, robots.join(file.file_name().expect("a name"))).expect("a copy");
+    }
     let program = Path::new(env!("CARGO_BIN_EXE_legwork"));
     let path =
         format!("{}:{}", program.parent().expect("a folder").display(), std::env::var("PATH").unwrap_or_default());

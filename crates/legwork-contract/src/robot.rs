@@ -27,6 +27,8 @@ pub struct Robot {
     pub postures: BTreeMap<String, BTreeMap<String, f64>>,
     /// Forward, left and up as columns, along the axes of the root link at the zero position.
     facing: Matrix3<f64>,
+    /// Bodies of feet whose centre of mass is below the sole, as some files have it.
+    low_feet: Vec<usize>,
     /// `body_from_torso`: the torso's own axes are forward, left and up where all joints are at zero. None where they are its body's.
     torso_turn: Option<Matrix3<f64>>,
 }
@@ -102,7 +104,8 @@ impl Robot {
         let torso_turn = zero.world_from_body[torso].rotation.tr_mul(&facing);
         let torso_turn = (!model.is_planar() && torso_turn != Matrix3::identity()).then_some(torso_turn);
         let postures = roles.postures.clone();
-        let robot = Self { torso, model, feet, foot_of, postures, facing, torso_turn };
+        let low_feet = low_feet(&model, &zero, &facing.column(2).into_owned());
+        let robot = Self { torso, model, feet, foot_of, postures, facing, low_feet, torso_turn };
         for (name, joints) in &robot.postures {
             if let Err(problem) = posture::check_names(&robot, joints.keys()) {
                 return invalid(None, &format!("posture {name:?}"), problem);
@@ -220,6 +223,12 @@ impl Robot {
         is_fixed(body) && self.contacts.iter().any(|contact| carrier(contact.body) == carrier(body))
     }
 
+    /// Whether `body` is a foot whose centre of mass its file has below the sole, so that it is below the ground where the foot stands.
+    #[must_use]
+    pub fn is_low_foot(&self, body: usize) -> bool {
+        self.low_feet.contains(&body)
+    }
+
     /// Forward, left and up as columns, along the axes of the root link at the zero position.
     #[must_use]
     pub fn facing(&self) -> &Matrix3<f64> {
@@ -277,6 +286,18 @@ impl Robot {
 /// The contact points of a foot, where each has its own in `foot_of`.
 fn places(foot_of: &[usize], foot: usize) -> impl Iterator<Item = usize> + '_ {
     (0..foot_of.len()).filter(move |&point| foot_of[point] == foot)
+}
+
+/// The bodies that have contact points, all of them above the body's centre of mass.
+fn low_feet(model: &Model, zero: &Dynamics, up: &Vector3<f64>) -> Vec<usize> {
+    let height = |point: &Vector3<f64>| up.dot(point);
+    let is_low = |&body: &usize| {
+        let com = height(&zero.world_from_body[body].point(&model.bodies[body].com));
+        let mut points =
+            model.contacts.iter().zip(&zero.contact_positions).filter(|(contact, _)| contact.body == body).peekable();
+        points.peek().is_some() && points.all(|(_, place)| height(place) > com)
+    };
+    (0..model.bodies.len()).filter(is_low).collect()
 }
 
 /// The dynamics of `model` with all joints at zero.

@@ -2,7 +2,7 @@
 //! shapes alone; what a file says of it goes before.
 //!
 //! A foot is a last link that moves, with all that is fixed to it; of those the two lowest with as many joints above them are the feet.
-//! Its contact points are the corners of what its collision shapes have within [`LAYER`] of their lowest point. The torso is the
+//! Its contact points are the corners of what its collision shapes have within a centimetre of their lowest point. The torso is the
 //! heaviest of the links between the legs and above them.
 
 use std::collections::BTreeSet;
@@ -18,6 +18,8 @@ use crate::error::Error;
 const LAYER: f64 = 0.01;
 /// A sole that is shorter and narrower than this is a point [m].
 const POINT: f64 = 0.03;
+/// Shapes whose corners are those of a sole.
+const EXACT: [&str; 3] = ["boxes", "spheres", "capsules"];
 /// Feet that differ in height by a larger share of the robot's height than this are no pair.
 const LEVEL: f64 = 0.05;
 
@@ -186,18 +188,26 @@ impl<'a> Links<'a> {
             points: vec![Vec::new(); model.bodies.len()],
             shapes: vec![(BTreeSet::new(), Vec::new()); model.bodies.len()],
         };
-        for geometry in roles.geometry.iter().filter(|geometry| geometry.collides) {
-            let Some(body) = model.body_index(&geometry.body) else { continue };
-            let Some((points, radius)) = hull(geometry, read_mesh) else {
-                links.shapes[body].1.push(match &geometry.shape {
-                    Shape::Mesh { file, .. } => format!("the mesh {}", quoted(file)),
-                    _ => "a shape".to_owned(),
-                });
-                continue;
-            };
-            let placement = links.dynamics.world_from_body[body];
-            links.points[body].extend(points.iter().map(|point| (placement.point(point), radius)));
-            links.shapes[body].0.insert(kind(&geometry.shape));
+        for collides in [true, false] {
+            // Pictures are of use only where nothing else tells a link's shape.
+            let told: BTreeSet<usize> = (0..model.bodies.len())
+                .filter(|&body| !links.points[body].is_empty())
+                .map(|body| links.mover[body])
+                .collect();
+            for geometry in roles.geometry.iter().filter(|geometry| geometry.collides == collides) {
+                let body = model.body_index(&geometry.body).filter(|&body| !told.contains(&links.mover[body]));
+                let Some(body) = body else { continue };
+                let Some((points, radius)) = hull(geometry, read_mesh) else {
+                    links.shapes[body].1.push(match &geometry.shape {
+                        Shape::Mesh { file, .. } => format!("the mesh {}", quoted(file)),
+                        _ => "a shape".to_owned(),
+                    });
+                    continue;
+                };
+                let placement = links.dynamics.world_from_body[body];
+                links.points[body].extend(points.iter().map(|point| (placement.point(point), radius)));
+                links.shapes[body].0.insert(kind(&geometry.shape, collides));
+            }
         }
         links
     }
@@ -376,9 +386,16 @@ impl<'a> Links<'a> {
             // What is nearer to another corner than a point is wide is that corner.
             corners.extend(corner.filter(|corner| corners.iter().all(|other| (other - corner).norm() > POINT)));
         }
+        let kinds: BTreeSet<&str> = self.fixed_to(foot).flat_map(|body| self.shapes[body].0.iter().copied()).collect();
+        if let ([a, b, c, d], true) = (&corners[..], kinds.iter().any(|kind| !EXACT.contains(kind))) {
+            // Four of the many corners of a mesh lie neither level nor square: the level rectangle within them does.
+            let (back, front) = (a.x.max(b.x), c.x.min(d.x));
+            let (right, left) = (a.y.max(c.y), b.y.min(d.y));
+            let corner = |x, y| Vector3::new(x, y, bottom);
+            corners = vec![corner(back, right), corner(back, left), corner(front, right), corner(front, left)];
+        }
         let pose: &Placement = &self.dynamics.world_from_body[foot];
         let local = |point: &Vector3<f64>| pose.rotation.transpose() * (point - pose.translation);
-        let kinds: BTreeSet<&str> = self.fixed_to(foot).flat_map(|body| self.shapes[body].0.iter().copied()).collect();
         let from = format!("contact points are the lowest of its {}", list(kinds));
         Ok((corners.iter().map(local).collect(), from))
     }
@@ -406,7 +423,7 @@ impl<'a> Links<'a> {
         let leaves = moving.filter(|(index, body)| {
             let axis = self.dynamics.world_from_body[*index].rotation
                 * body.joint.axis().map_or(Vector3::y(), |axis| axis.into_inner());
-            if self.model.dofs[body.v_index].rotational { axis.x.hypot(axis.z) > 1e-4 } else { axis.y.abs() > 1e-4 }
+            if self.model.dofs[body.v_index].rotational { libm::hypot(axis.x, axis.z) > 1e-4 } else { axis.y.abs() > 1e-4 }
         });
         leaves.map(|(_, body)| body.joint_name.clone()).collect()
     }
@@ -441,8 +458,9 @@ fn hull(geometry: &Geometry, read_mesh: ReadMesh<'_>) -> Option<(Vec<Vector3<f64
     (!points.is_empty()).then(|| (points.iter().map(|point| geometry.placement.point(point)).collect(), 0.0))
 }
 
-fn kind(shape: &Shape) -> &'static str {
+fn kind(shape: &Shape, collides: bool) -> &'static str {
     match shape {
+        _ if !collides => "pictures, for it has no collision shapes",
         Shape::Sphere { .. } => "spheres",
         Shape::Capsule { .. } => "capsules",
         Shape::Cylinder { .. } => "cylinders",

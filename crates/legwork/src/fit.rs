@@ -2,7 +2,7 @@
 //!
 //! Two robots of one shape move alike in times that are as the square root of their length over gravity: speeds are as √(L g), forces as
 //! M g, moments as M g L. L is the length of the leg, M the mass. How a setting scales follows from its unit; those that have none, and
-//! those that are the world's or the computer's, are listed here ([`STATED`], [`SCALED`], [`KEPT`]). Robots of other shapes differ in two
+//! those that are the world's or the computer's, are listed here (`STATED`, `SCALED`, `KEPT`). Robots of other shapes differ in two
 //! things that no single length tells: how far apart their hips are, and how high their centre of mass is above them.
 
 use legwork_rbd::Dynamics;

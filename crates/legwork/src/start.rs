@@ -1,6 +1,6 @@
 //! The start pose: joint positions that put feet, centre of mass and torso where the scenario wants them.
 //!
-//! Joints that these leave free begin in the scenario's posture and resist being moved out of it ([`RESISTANCE`]), so that of all poses
+//! Joints that these leave free begin in the scenario's posture and resist being moved out of it (`RESISTANCE`), so that of all poses
 //! one near the posture is found.
 
 use legwork_rbd::{Base, Dynamics, Model};
@@ -11,7 +11,7 @@ use crate::feet::{FeetMotion, Sole, pitched, rotation_error};
 use crate::fit::Fit;
 use crate::generator::check_feet;
 use crate::posture::neutral;
-use crate::redundancy::free_joints;
+use crate::redundancy::{free_joints, leg};
 use crate::robot::Robot;
 use crate::scenario::Scenario;
 use crate::terrain::Terrain;
@@ -62,8 +62,10 @@ pub fn start_pose(scenario: &Scenario, model: &Robot, ground: &Terrain) -> Resul
         let bend = |joint| 2.0 * (f64::from(k) * libm::sqrt((2 * joint + 3) as f64)).fract();
         first_guess(model, &target, &posture, bend, 0.0)
     });
-    let count = 5 * frees.len();
-    for (index, guess) in alike.chain(mixed).enumerate() {
+    let bent = [0.3, 0.6].into_iter().filter_map(|bend| bent_knees(model, &target, &posture, bend));
+    let bent: Vec<_> = if any_way && model.base == Base::Floating { bent.collect() } else { Vec::new() };
+    let count = bent.len() + 5 * frees.len();
+    for (index, guess) in bent.into_iter().chain(alike).chain(mixed).enumerate() {
         if let Some((_, q)) = nearest.take_if(|_| index >= count) {
             return Ok(q);
         }
@@ -166,6 +168,25 @@ fn first_guess(
         Base::Fixed => {}
     }
     q
+}
+
+/// A pose with knees that are bent by twice `bend` [rad] and torso and soles upright, of legs with three joints or more across the way that
+/// the robot faces: where joints have no limits, nothing else tells a knee's way to bend.
+fn bent_knees(model: &Robot, target: &Target, posture: &Posture, bend: f64) -> Option<DVector<f64>> {
+    let mut q = first_guess(model, target, posture, |_| 0.5, 0.0);
+    let mut zero = Dynamics::new(model);
+    zero.update(model, model.neutral().as_slice(), &vec![0.0; model.nv()]);
+    let left = model.facing().column(1).into_owned();
+    for foot in 0..2 {
+        let across = leg(model, foot).into_iter().filter_map(|body| {
+            let turn = left.dot(&(zero.world_from_body[body].rotation * model.bodies[body].joint.axis()?.into_inner()));
+            (turn.abs() > 0.9).then_some((model.bodies[body].q_index, turn.signum()))
+        });
+        let across: Vec<_> = across.collect();
+        let [(hip, a), (knee, b), .., (ankle, c)] = across[..] else { return None };
+        (q[hip], q[knee], q[ankle]) = (-a * bend, 2.0 * b * bend, -c * bend);
+    }
+    Some(q)
 }
 
 /// Levenberg-Marquardt on the pose's errors; returns the largest error left and the pose. Where joints are free they are drawn to the

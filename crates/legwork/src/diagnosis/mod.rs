@@ -90,7 +90,7 @@ pub fn fall(
         // Joints are the ends of the links; the root has none that anybody knows.
         let part = if index != model.root() && ground.gap(&pose.translation) < 0.0 {
             &body.joint_name
-        } else if ground.gap(&pose.point(&body.com)) < 0.0 {
+        } else if ground.gap(&pose.point(&body.com)) < 0.0 && !model.is_low_foot(index) {
             &body.name
         } else {
             continue;
