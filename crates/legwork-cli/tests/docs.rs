@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Commands that are not run here, with the reason.
-const ELSEWHERE: [(&str, &str); 10] = [
+const ELSEWHERE: [(&str, &str); 11] = [
     ("cargo xtask bench-peers", "installs other programs and takes minutes"),
     ("legwork reproduce", "run as a whole by tests/program/reproduce.rs"),
     ("legwork study screening", "half a minute; its file is read by another test"),
@@ -14,6 +14,7 @@ const ELSEWHERE: [(&str, &str); 10] = [
     ("cargo install --path crates/legwork-cli", "builds what this test has built"),
     ("cargo xtask mutants", "installs cargo-mutants and takes hours"),
     ("cargo xtask test", "runs this test"),
+    ("cargo xtask robots", "a part of cargo xtask test"),
     ("cargo xtask count-instructions", "a part of cargo xtask test"),
     ("cargo doc -p", "a part of cargo xtask test"),
 ];

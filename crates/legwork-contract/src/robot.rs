@@ -25,6 +25,8 @@ pub struct Robot {
     pub foot_of: Vec<usize>,
     /// Postures that its file names: positions [rad, m] by names or patterns of joints.
     pub postures: BTreeMap<String, BTreeMap<String, f64>>,
+    /// The direction in which its file says that it faces, along the axes of the root link at the zero position.
+    pub forward: Option<[f64; 3]>,
     /// Forward, left and up as columns, along the axes of the root link at the zero position.
     facing: Matrix3<f64>,
     /// Bodies of feet whose centre of mass is below the sole, as some files have it.
@@ -105,7 +107,8 @@ impl Robot {
         let torso_turn = (!model.is_planar() && torso_turn != Matrix3::identity()).then_some(torso_turn);
         let postures = roles.postures.clone();
         let low_feet = low_feet(&model, &zero, &facing.column(2).into_owned());
-        let robot = Self { torso, model, feet, foot_of, postures, facing, low_feet, torso_turn };
+        let forward = roles.forward;
+        let robot = Self { torso, model, feet, foot_of, postures, forward, facing, low_feet, torso_turn };
         for (name, joints) in &robot.postures {
             if let Err(problem) = posture::check_names(&robot, joints.keys()) {
                 return invalid(None, &format!("posture {name:?}"), problem);
@@ -184,7 +187,7 @@ impl Robot {
             torso: Some(self.bodies[self.torso].name.clone()),
             feet: Some(self.feet.clone()),
             postures: self.postures.clone(),
-            forward: (self.facing != Matrix3::identity()).then(|| self.facing.column(0).into_owned().into()),
+            forward: self.forward,
             foot: self.foot_of.iter().map(|&foot| Some(self.feet[foot].clone())).collect(),
             ..Roles::default()
         })

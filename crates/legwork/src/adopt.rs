@@ -423,7 +423,11 @@ impl<'a> Links<'a> {
         let leaves = moving.filter(|(index, body)| {
             let axis = self.dynamics.world_from_body[*index].rotation
                 * body.joint.axis().map_or(Vector3::y(), |axis| axis.into_inner());
-            if self.model.dofs[body.v_index].rotational { libm::hypot(axis.x, axis.z) > 1e-4 } else { axis.y.abs() > 1e-4 }
+            if self.model.dofs[body.v_index].rotational {
+                libm::hypot(axis.x, axis.z) > 1e-4
+            } else {
+                axis.y.abs() > 1e-4
+            }
         });
         leaves.map(|(_, body)| body.joint_name.clone()).collect()
     }

@@ -16,7 +16,7 @@ use crate::library::{load_model, model_names};
 use crate::posture::neutral;
 use crate::redundancy::leg;
 use crate::robot::Robot;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, Start};
 use crate::settings::{self, SETTINGS, Valid, at};
 
 /// The robot that a scenario's settings are stated for.
@@ -104,9 +104,12 @@ impl Size {
         })
     }
 
-    /// Height of the centre of mass of a robot that stands with its knees bent a little [m].
-    fn standing(&self) -> f64 {
-        STANDING * self.leg + self.com_above_hips
+    /// Height of the centre of mass of a robot that stands with its knees bent a little, its feet as far from below the hips as `start`
+    /// has them [m].
+    fn standing(&self, start: &Start) -> f64 {
+        let aside = [start.right_foot_x_m, start.left_foot_x_m].map(|foot| (foot - start.com_x_m).abs());
+        let (leg, aside) = (STANDING * self.leg, aside[0].max(aside[1]));
+        libm::sqrt((leg * leg - aside * aside).max(0.25 * leg * leg)) + self.com_above_hips
     }
 }
 
@@ -166,7 +169,9 @@ pub fn fitted(scenario: &Scenario, model: &Robot) -> Result<Scenario, Error> {
     if fitted.start.com_height_m == 0.0 {
         let is_shipped =
             model_names().any(|name| load_model(name, None).is_ok_and(|shipped| shipped.name == model.name));
-        let height = own.filter(|_| !is_shipped).map_or(Scenario::default().start.com_height_m, |size| size.standing());
+        let height = own
+            .filter(|_| !is_shipped)
+            .map_or(Scenario::default().start.com_height_m, |size| size.standing(&fitted.start));
         fitted.start.com_height_m = height;
     }
     Ok(fitted)

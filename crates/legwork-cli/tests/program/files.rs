@@ -118,7 +118,9 @@ fn a_byte_order_mark_does_no_harm_and_utf_16_is_told() {
     folder.legwork(&["inspect", "robot.toml"]).succeeds();
     for ending in ["toml", "csv", "urdf", "json"] {
         let wide = SCENARIO.encode_utf16().flat_map(u16::to_le_bytes);
-        folder.file(&format!("wide.{ending}"), [0xff, 0xfe].into_iter().chain(wide).collect::<Vec<u8>>());
+        // XML tells its encoding, by a mark too.
+        let mark = [0xff, 0xfe].into_iter().filter(|_| ending != "urdf");
+        folder.file(&format!("wide.{ending}"), mark.chain(wide).collect::<Vec<u8>>());
         folder.file(&format!("latin.{ending}"), b"# first line\n# H\xfcfte");
     }
     refused(&folder, 2, "wide", "not UTF-8 text: found UTF-16; save it as UTF-8");

@@ -76,7 +76,7 @@ fn values_out_of_range() {
         ("ground.friction = -0.1", "ground.friction", "from 0 to 10"),
         ("controller.weights.grf = 0", "controller.weights.grf", "from 1e-12 to 1e12"),
         ("controller.weights.joint_acceleration = 0.0", "controller.weights.joint_acceleration", "found 0.0"),
-        ("start.com_height_m = 50", "start.com_height_m", "from 0.05 to 5 [m]"),
+        ("start.com_height_m = 50", "start.com_height_m", "from 0 to 5 [m]"),
         ("simulation.contact.max_sweeps = 0", "simulation.contact.max_sweeps", "a whole number from 1 to 100000"),
         ("fall.max_torso_angle_deg = 0", "fall.max_torso_angle_deg", "from 1 to 180 [deg]"),
         ("simulation.sensors.delay_s = 1.1", "simulation.sensors.delay_s", "from 0 to 1 [s]"),
