@@ -209,7 +209,9 @@ impl Dynamics {
             let J = self.contact_jacobian.as_mut_slice();
             self.tree.columns(&self.subspace, contact.body, |j, s| {
                 let column = model.linear_components(&s.linear_at(&at));
-                J[j * rows + first..][..d].copy_from_slice(&column[..d]);
+                for (entry, value) in J[j * rows + first..j * rows + first + d].iter_mut().zip(column) {
+                    *entry = value;
+                }
             });
         }
     }

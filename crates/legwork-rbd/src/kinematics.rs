@@ -25,11 +25,15 @@ impl Dynamics {
             let parallel = body.placement.rotation == Matrix3::identity();
             let rotation = if parallel { frame.rotation } else { frame.rotation * body.placement.rotation };
             let mut frame = Placement { rotation, translation: frame.point(&body.placement.translation) };
-            let subspace = &mut self.subspace[self.tree.first[i]..];
-            match body.follows {
-                None => body.joint.pose(&q[body.q_index..], &mut frame, subspace),
-                Some(_) => body.joint.pose(&[body.position(q)], &mut frame, subspace),
-            }
+            let led;
+            let (own, first) = match body.follows {
+                None => (&q[body.q_index..], body.v_index),
+                Some(_) => {
+                    led = [body.position(q)];
+                    (&led[..], self.tree.first[i])
+                }
+            };
+            body.joint.pose(own, &mut frame, &mut self.subspace[first..]);
             self.relative[i] = frame;
             self.world_from_body[i] = Placement { rotation: frame.rotation, translation: origin + frame.translation };
         }
@@ -45,14 +49,16 @@ impl Dynamics {
                 Some(p) => (self.velocity[p], self.acceleration[p]),
                 None => (Motion::zero(), Motion::zero()),
             };
-            let (frame, subspace) = (&self.relative[i], &self.subspace[self.tree.first[i]..]);
-            let v = &v[body.v_index..];
-            match body.follows {
-                None => body.joint.add_velocity(frame, subspace, v, &mut velocity, &mut acceleration),
+            let led;
+            let (own, first) = match body.follows {
+                None => (&v[body.v_index..], body.v_index),
                 Some(Follows { ratio, .. }) => {
-                    body.joint.add_velocity(frame, subspace, &[ratio * v[0]], &mut velocity, &mut acceleration);
+                    led = [ratio * v[body.v_index]];
+                    (&led[..], self.tree.first[i])
                 }
-            }
+            };
+            let (frame, subspace) = (&self.relative[i], &self.subspace[first..]);
+            body.joint.add_velocity(frame, subspace, own, &mut velocity, &mut acceleration);
             self.velocity[i] = velocity;
             self.acceleration[i] = acceleration;
         }

@@ -26,7 +26,7 @@ pub(crate) struct Tree {
     pub(crate) first: Vec<usize>,
     /// The joints of the columns behind those of the velocity coordinates.
     pub(crate) followers: Vec<Follower>,
-    /// For each body that such a joint carries the coordinates that move it; nothing for all others.
+    /// For each body that such a joint carries the coordinates that move it; nothing for all others, and none where nothing is coupled.
     folded: Vec<Vec<Folded>>,
     /// For each coordinate the next one toward the base that it shares a body with, where joints follow others: the elimination tree
     /// of the mass matrix.
@@ -60,7 +60,7 @@ impl Tree {
             last: vec![NONE; nb],
             first: vec![0; nb],
             followers,
-            folded: vec![Vec::new(); nb],
+            folded: Vec::new(),
             elimination: Vec::new(),
         };
         let mut next = nv;
@@ -86,6 +86,7 @@ impl Tree {
     }
 
     fn fold(&mut self, nv: usize) {
+        self.folded = vec![Vec::new(); self.last.len()];
         let mut shares = vec![BTreeSet::new(); nv];
         for body in 0..self.last.len() {
             let mut folded: Vec<Folded> = Vec::new();
@@ -129,15 +130,19 @@ impl Tree {
     /// Calls `with` for each velocity coordinate that moves `body`, with its motion at unit speed out of `subspace`.
     #[inline]
     pub(crate) fn columns(&self, subspace: &[Motion], body: usize, mut with: impl FnMut(usize, &Motion)) {
-        if self.folded[body].is_empty() {
-            let mut j = self.last[body];
-            while j != NONE {
-                with(j, &subspace[j]);
-                j = self.parent[j];
+        match self.folded.get(body) {
+            Some(folded) if !folded.is_empty() => {
+                for (coordinate, terms) in folded {
+                    with(*coordinate, &sum(subspace, terms));
+                }
             }
-        }
-        for (coordinate, terms) in &self.folded[body] {
-            with(*coordinate, &sum(subspace, terms));
+            _ => {
+                let mut j = self.last[body];
+                while j != NONE {
+                    with(j, &subspace[j]);
+                    j = self.parent[j];
+                }
+            }
         }
     }
 
@@ -194,12 +199,12 @@ impl Dynamics {
     #[must_use]
     pub fn unit_motion(&self, body: usize, j: usize, world_point: &Vector3<f64>) -> Motion {
         let at = world_point - self.reference;
-        let folded = &self.tree.folded[body];
-        let s = if folded.is_empty() {
-            self.subspace[j]
-        } else {
-            let terms = folded.iter().find(|(coordinate, _)| *coordinate == j);
-            terms.map_or(Motion::zero(), |(_, terms)| sum(&self.subspace, terms))
+        let s = match self.tree.folded.get(body) {
+            Some(folded) if !folded.is_empty() => {
+                let terms = folded.iter().find(|(coordinate, _)| *coordinate == j);
+                terms.map_or(Motion::zero(), |(_, terms)| sum(&self.subspace, terms))
+            }
+            _ => self.subspace[j],
         };
         Motion { angular: s.angular, linear: s.linear_at(&at) }
     }

@@ -169,8 +169,10 @@ pub fn fitted(scenario: &Scenario, model: &Robot) -> Result<Scenario, Error> {
     if fitted.start.com_height_m == 0.0 {
         let is_shipped =
             model_names().any(|name| load_model(name, None).is_ok_and(|shipped| shipped.name == model.name));
+        // The legs of a robot on points need not hang down in the neutral posture, which then tells no height.
+        let has_soles = (0..model.feet.len()).all(|foot| model.points_of(foot).count() > 1);
         let height = own
-            .filter(|_| !is_shipped)
+            .filter(|_| !is_shipped && has_soles)
             .map_or(Scenario::default().start.com_height_m, |size| size.standing(&fitted.start));
         fitted.start.com_height_m = height;
     }
