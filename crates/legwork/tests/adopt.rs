@@ -51,11 +51,9 @@ fn spheres_cylinders_and_turned_shapes_touch_where_they_are_lowest() {
     let ball = HUMANOID.replace(boxed, "<geometry><sphere radius=\"0.02\"/></geometry>");
     corners(&taken(&ball, &Wanted::default()).expect("it stands"), 0, &[[0.03, 0.0, -0.11]]);
     let origin = "<origin xyz=\"0.03 0 -0.09\"/>";
-    let two = format!(
-        "<origin xyz=\"0.1 0 -0.09\"/><geometry><sphere radius=\"0.01\"/></geometry></collision>\
-         <collision><origin xyz=\"-0.05 0 -0.085\"/><geometry><sphere radius=\"0.015\"/></geometry>"
-    );
-    let balls = HUMANOID.replace(&format!("{origin}{boxed}"), &two);
+    let two = "<origin xyz=\"0.1 0 -0.09\"/><geometry><sphere radius=\"0.01\"/></geometry></collision>\
+         <collision><origin xyz=\"-0.05 0 -0.085\"/><geometry><sphere radius=\"0.015\"/></geometry>";
+    let balls = HUMANOID.replace(&format!("{origin}{boxed}"), two);
     corners(&taken(&balls, &Wanted::default()).expect("it stands"), 1, &[[0.1, 0.0, -0.1], [-0.05, 0.0, -0.1]]);
     // Lying along x it touches along a line 0.06 below its axis: the ends of its lowest edge.
     let lying = "<origin xyz=\"0.03 0 -0.04\" rpy=\"0 1.5707963267948966 0\"/><geometry><cylinder radius=\"0.06\" length=\"0.2\"/></geometry>";
@@ -123,7 +121,7 @@ fn an_adopted_planar_biped_walks_at_the_speed_of_its_legs() {
     assert_eq!(run.outcome, Outcome::Completed, "{:?}", run.reason);
     let (leg, person) = (0.34 + 0.34 + 0.06, 0.53 * 1.75);
     let speed = run.metrics.steady_speed_mps.expect("it walks");
-    assert!((speed - (leg / person as f64).sqrt()).abs() < 0.03, "{speed} m/s");
+    assert!((speed - f64::sqrt(leg / person)).abs() < 0.03, "{speed} m/s");
 }
 
 #[test]
