@@ -52,9 +52,14 @@ def placed(peer, told, state, mimics):
     for index in range(1, peer.njoints):
         theirs, name, ratio, offset = peer.joints[index], peer.names[index], 1.0, 0.0
         name = "base" if name == "root_joint" else name
-        while name not in ours:
+        is_locked = name in ours and ours[name]["type"] == "fixed"
+        while name in mimics if is_locked else name not in ours:
             name, own_ratio, own_offset = mimics[name]
             ratio, offset = ratio * own_ratio, ratio * own_offset + offset
+        if is_locked:
+            # At zero, or where it is led to from there.
+            q[theirs.idx_q : theirs.idx_q + theirs.nq] = (np.cos(offset), np.sin(offset)) if theirs.nq == 2 else offset
+            continue
         own, at = state["q"][ours[name]["q"] :], ours[name]["v"]
         iq, iv = theirs.idx_q, theirs.idx_v
         if ours[name]["type"] == "floating":
@@ -126,7 +131,7 @@ def main():
             peer.gravity.linear = np.array([0.0, 0.0, -9.81])
             name = os.path.basename(file)
             try:
-                worst = differences(peer, model, leaders(file))
+                worst = differences(peer, model, leaders(file) if mimic == "coupled" else {})
             except Exception as error:
                 count(f"{name}, mimic {mimic}: {error}", False)
                 continue
