@@ -22,13 +22,12 @@ pub(crate) fn adopt(options: &AdoptArgs, output: &mut Output) -> Result<ExitCode
     let files = Files::of(path)?;
     let (model, roles) = files.read(options.base)?;
     let mut text = String::new();
-    let mut planar = model.is_planar();
-    let understood = if model.nc() == 0 {
+    if model.nc() == 0 {
         let wanted = Wanted { feet: options.feet.clone(), torso: options.torso.clone() };
         let side_name = files.side.display().to_string();
         let understood = understand(&model, &roles, &wanted, &|mesh| read_mesh(path, mesh), &side_name);
         let understood = understood.map_err(|lacking| with_lines(lacking.error, &lacking.lines))?;
-        planar = match options.base {
+        let planar = match options.base {
             Some(base) => base == BaseArg::Planar,
             None => understood.sideways.is_empty(),
         };
@@ -39,15 +38,13 @@ pub(crate) fn adopt(options: &AdoptArgs, output: &mut Output) -> Result<ExitCode
             return Err(with_lines(Error::invalid(side_name, problem), &side).into());
         }
         write_text(&files.side, &side)?;
-        Some(understood)
     } else {
         text += &format!("{} tells the contact points, feet and torso: they are kept.\n", roles.file);
-        None
-    };
+    }
     let robot = Robot::load(path).map_err(Error::from)?;
     let words = robot.faces();
     output.line(format!("{text}{}\n\n{}", folded(&format!("forward: {words}."), 2), model_text(&robot)))?;
-    let scenarios = files.scenarios(&robot, understood, planar)?;
+    let scenarios = files.scenarios(&robot)?;
     let mut stands = true;
     for scenario in &scenarios {
         let (sentence, stood) = tried(scenario);
@@ -85,29 +82,22 @@ impl Files {
                 format!("{} is no file; name a robot's .urdf, .xml or .toml", robot.display()),
             ));
         };
-        Ok(Self { robot: robot.to_owned(), name, side: robot.with_extension("legwork.toml") })
+        // A TOML robot says all of it itself.
+        let side = if is_toml(robot) { robot.to_owned() } else { robot.with_extension("legwork.toml") };
+        Ok(Self { robot: robot.to_owned(), name, side })
     }
 
     /// The robot as its files have it so far. Joints that leave the plane are locked only in the file that is to be written.
     fn read(&self, base: Option<BaseArg>) -> Result<(Model, Roles), Error> {
-        let is_toml = self.robot.extension().is_some_and(|extension| extension == "toml");
-        let base = base.map(Base::from).filter(|base| *base != Base::Planar || is_toml);
+        let base = base.map(Base::from).filter(|base| *base != Base::Planar || is_toml(&self.robot));
         Ok(Model::load_with_roles(&self.robot, base)?)
     }
 
     /// Writes the scenarios that there are none of yet; all that belong to the robot.
-    fn scenarios(
-        &self,
-        robot: &Robot,
-        understood: Option<Understanding>,
-        planar: bool,
-    ) -> Result<Vec<PathBuf>, Failure> {
+    fn scenarios(&self, robot: &Robot) -> Result<Vec<PathBuf>, Failure> {
         let stem = self.robot.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-        let stem = stem.strip_suffix(".legwork").unwrap_or(&stem);
-        let has_soles = match &understood {
-            Some(understood) => understood.has_soles(),
-            None => (0..robot.feet.len()).all(|foot| robot.points_of(foot).count() > 1),
-        };
+        let planar = robot.is_planar();
+        let has_soles = (0..robot.feet.len()).all(|foot| robot.points_of(foot).count() > 1);
         let mut texts = vec![("stand", Understanding::stand(&self.name, &robot.name, planar))];
         if planar && has_soles {
             texts.push(("walk", Understanding::walk(&self.name, &robot.name)));
@@ -122,6 +112,10 @@ impl Files {
         }
         Ok(written)
     }
+}
+
+fn is_toml(robot: &Path) -> bool {
+    robot.extension().is_some_and(|extension| extension == "toml")
 }
 
 /// What a robot was taken to be, and why.

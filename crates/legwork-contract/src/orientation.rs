@@ -4,7 +4,7 @@
 //! forward is at right angles to both. What is within a degree of an axis of the root link is that axis. A robot in the plane, or with
 //! fewer than two feet, faces along x.
 
-use legwork_rbd::{Base, Dynamics, Joint, Model};
+use legwork_rbd::{Base, Dynamics, Model};
 use nalgebra::{Matrix3, Unit, Vector3};
 
 /// What is nearer to an axis than this is that axis [rad].
@@ -69,11 +69,8 @@ pub(crate) fn normal(model: &Model, zero: &Dynamics, points: &[usize]) -> Option
 }
 
 /// Where the joint is that moves `body`, or what it is fixed to.
-fn ankle(model: &Model, zero: &Dynamics, mut body: usize) -> Vector3<f64> {
-    while let (Joint::Fixed(_), Some(parent)) = (&model.bodies[body].joint, model.bodies[body].parent) {
-        body = parent;
-    }
-    zero.world_from_body[body].translation
+fn ankle(model: &Model, zero: &Dynamics, body: usize) -> Vector3<f64> {
+    zero.world_from_body[model.mover(body)].translation
 }
 
 /// The middle of contact points.

@@ -216,14 +216,8 @@ impl Robot {
     /// Whether `body` is fixed to a foot, and so is part of it: a sole's link, a sensor's.
     #[must_use]
     pub fn is_fixed_to_a_foot(&self, body: usize) -> bool {
-        let is_fixed = |body: usize| matches!(self.bodies[body].joint, Joint::Fixed(_));
-        let carrier = |mut body: usize| {
-            while let (true, Some(parent)) = (is_fixed(body), self.bodies[body].parent) {
-                body = parent;
-            }
-            body
-        };
-        is_fixed(body) && self.contacts.iter().any(|contact| carrier(contact.body) == carrier(body))
+        matches!(self.bodies[body].joint, Joint::Fixed(_))
+            && self.contacts.iter().any(|contact| self.mover(contact.body) == self.mover(body))
     }
 
     /// Whether `body` is a foot whose centre of mass its file has below the sole, so that it is below the ground where the foot stands.

@@ -279,6 +279,15 @@ impl Model {
         self.dofs.iter().enumerate().filter(|(_, dof)| dof.actuated).map(|(index, _)| index)
     }
 
+    /// The body whose joint moves `body`: its own, or that of what it is fixed to; of what nothing moves the outermost carrier.
+    #[must_use]
+    pub fn mover(&self, mut body: usize) -> usize {
+        while let (0, Some(parent)) = (self.bodies[body].joint.nv(), self.bodies[body].parent) {
+            body = parent;
+        }
+        body
+    }
+
     /// The index of a body in [`Model::bodies`].
     #[must_use]
     pub fn body_index(&self, name: &str) -> Option<usize> {

@@ -1,8 +1,8 @@
 //! The tree of the columns of the motion subspace, and joints that follow others.
 //!
 //! There is a column for each velocity coordinate, and behind those one for each joint that follows another one. What such a
-//! column contributes is folded into that of the coordinate it follows, times the ratio: `S̄ = S G`, `M = Gᵀ M_tree G` with a
-//! constant G. Featherstone 2008, Section 8.12 (constraint-embedded trees with constant gear ratios).
+//! column contributes is folded into that of the coordinate it follows, times the ratio: with v_tree = G v and a constant G the equation of
+//! motion is that of the tree times Gᵀ, hence `M = Gᵀ M_tree G`.
 
 use std::collections::BTreeSet;
 
@@ -123,8 +123,7 @@ impl Tree {
 
     /// The columns that move `body`, from the body toward the base.
     fn chain_of_columns(&self, body: usize) -> impl Iterator<Item = usize> + '_ {
-        let known = |j: usize| (j != NONE).then_some(j);
-        std::iter::successors(known(self.last[body]), move |&j| known(self.parent[j]))
+        upward(self.last[body], &self.parent)
     }
 
     /// Calls `with` for each velocity coordinate that moves `body`, with its motion at unit speed out of `subspace`.
@@ -152,6 +151,12 @@ impl Tree {
     }
 }
 
+/// From `first` on, each time the `next` one, to the end.
+fn upward(first: usize, next: &[usize]) -> impl Iterator<Item = usize> + '_ {
+    let known = |j: usize| (j != NONE).then_some(j);
+    std::iter::successors(known(first), move |&j| known(next[j]))
+}
+
 /// The motion of columns together, each times its ratio.
 fn sum(subspace: &[Motion], terms: &[(usize, f64)]) -> Motion {
     let mut motion = Motion::zero();
@@ -165,12 +170,8 @@ impl Dynamics {
     #[must_use]
     pub fn chain(&self, body: usize) -> Vec<usize> {
         let mut chain: Vec<usize> = if self.tree.is_coupled() {
-            let mut outermost = NONE;
-            let known = |j: usize| (j != NONE).then_some(j);
-            self.tree.columns(&self.subspace, body, |j, _| {
-                outermost = if outermost == NONE { j } else { outermost.max(j) };
-            });
-            std::iter::successors(known(outermost), |&j| known(self.tree.elimination[j])).collect()
+            let outermost = self.tree.chain_of_columns(body).map(|j| self.tree.coordinate(j).0).max();
+            upward(outermost.unwrap_or(NONE), &self.tree.elimination).collect()
         } else {
             self.tree.chain_of_columns(body).collect()
         };
@@ -182,8 +183,7 @@ impl Dynamics {
     #[must_use]
     pub fn chain_to(&self, model: &Model, j: usize) -> Vec<usize> {
         if self.tree.is_coupled() {
-            let known = |j: usize| (j != NONE).then_some(j);
-            let mut chain: Vec<_> = std::iter::successors(Some(j), |&j| known(self.tree.elimination[j])).collect();
+            let mut chain: Vec<_> = upward(j, &self.tree.elimination).collect();
             chain.reverse();
             return chain;
         }

@@ -10,6 +10,7 @@ use crate::base::Base;
 use crate::content::Content;
 use crate::description::{BodyDescription, Description, Inertias, JointDescription};
 use crate::error::{ModelError, Problems};
+use crate::geometry::Geometry;
 use crate::joints::{Fixed, Joint, Kind, Prismatic, Revolute};
 use crate::model::Model;
 use crate::model_file::{ContactEntry, FrameEntry, GRAVITY};
@@ -51,6 +52,27 @@ pub(crate) struct SideFile {
 }
 
 impl SideFile {
+    /// What `source` says, or all defaults where there is no such file.
+    pub(crate) fn read(is_there: bool, source: &Source) -> Result<Self, ModelError> {
+        if !is_there {
+            return Ok(Self::default());
+        }
+        source.parse_toml(Content::SideFile, "base, torso, contacts, actuated or passive")
+    }
+
+    /// Takes out of it what the dynamics give no meaning; `file` is its name, `geometry` the robot's shapes.
+    pub(crate) fn roles(&mut self, file: &str, geometry: Vec<Geometry>) -> Roles {
+        Roles {
+            file: file.to_owned(),
+            torso: self.torso.take(),
+            feet: self.feet.take(),
+            forward: self.forward,
+            postures: std::mem::take(&mut self.postures),
+            geometry,
+            ..Roles::default()
+        }
+    }
+
     /// The base that it names, unless another one is asked for.
     pub(crate) fn base_of(&self, asked: Option<Base>) -> Option<Base> {
         asked.or(self.base)
@@ -86,10 +108,7 @@ pub(crate) fn read_urdf(
     let robot = Robot::read(text, &source, &mut problems)?;
     let (side_text, side_name) = sidecar.unwrap_or(("", file_name));
     let side_source = Source::new(side_name, side_text);
-    let side: SideFile = match sidecar {
-        Some(_) => side_source.parse_toml(Content::SideFile, "base, torso, contacts, actuated or passive")?,
-        None => SideFile::default(),
-    };
+    let mut side = SideFile::read(sidecar.is_some(), &side_source)?;
     let wanted = base.or(side.base);
     let mut tree = Tree { bodies: Vec::new(), warnings: robot.warnings.clone(), mimic: side.mimic, mimics: Vec::new() };
     let floating = if wanted == Some(Base::Fixed) { None } else { carrier(&robot) };
@@ -98,15 +117,15 @@ pub(crate) fn read_urdf(
     problems.keep(mark_actuated(&mut tree.bodies, &moving, &side, &side_source));
     set_numbers(&mut tree.bodies, &moving, &side.joints, &side_source, &mut problems);
     for joint in &robot.joints {
-        let described = tree.bodies.iter().map(|body| &body.joint).find(|described| described.name == joint.name);
-        let described = described.filter(|described| described.kind.nv() == 1 && described.follows.is_none());
+        let described = moving.0.get(&joint.name).map(|&index| &tree.bodies[index].joint);
         tree.warnings.extend(described.into_iter().flat_map(|described| unmodelled(joint, described)));
     }
     tree.tell_of_mimics();
     let base = wanted.unwrap_or(Base::Floating);
-    let pitch_limits = problems.keep(pitch_limits(side.base_pitch, base, &side_source));
+    let pitch_limits = problems.keep(pitch_limits(side.base_pitch.take(), base, &side_source));
     let contacts = problems.keep(contacts(&side.contacts, &side_source));
     let frames = problems.keep(frames(&side.frames, &side_source));
+    let roles = side.roles(side_name, robot.links.into_iter().flat_map(|link| link.geometry).collect());
     let description = Description {
         file: file_name.to_owned(),
         name: robot.name,
@@ -120,15 +139,7 @@ pub(crate) fn read_urdf(
         inertias: side.inertias,
         locked: side.locked,
         locks_massless: true,
-        roles: Roles {
-            file: side_name.to_owned(),
-            torso: side.torso,
-            feet: side.feet,
-            forward: side.forward,
-            postures: side.postures,
-            geometry: robot.links.into_iter().flat_map(|link| link.geometry).collect(),
-            ..Roles::default()
-        },
+        roles,
     };
     problems.none(file_name)?;
     description.build()

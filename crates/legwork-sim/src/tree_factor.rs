@@ -181,4 +181,38 @@ mod tests {
         assert!(!TreeFactor::of_chains(chains()).factor(&DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 2.0, 1.0])));
         assert!(!TreeFactor::of_chains(chains()).factor(&DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 0.0, f64::NAN])));
     }
+
+    /// A joint that follows one of another branch couples the two: the factor's tree is no longer the robot's.
+    #[test]
+    fn joints_that_follow_others_are_factorised_along_their_own_tree() {
+        let body = |name: &str, parent: &str, joint: &str| {
+            format!(
+                "[[bodies]]\nname = \"{name}\"\nparent = \"{parent}\"\nmass_kg = 1.5\ncom_m = [0.1, 0.02, -0.3]\n\
+                 inertia_kgm2 = {{ xx = 0.1, yy = 0.12, zz = 0.05 }}\n\
+                 joint = {{ name = \"{name}\", type = \"revolute\", axis = [0, 1, 0.5], origin_m = [0, 0.1, -0.2]{joint} }}\n"
+            )
+        };
+        let text = format!(
+            "name = \"r\"\nbase = \"floating\"\n[[bodies]]\nname = \"t\"\nmass_kg = 9\ninertia_kgm2 = {{ xx = 1, yy = 1, zz = 1 }}\n{}{}{}{}{}",
+            body("a", "t", ""),
+            body("b", "a", ""),
+            body("c", "t", ""),
+            // Below c, led by a joint of the other branch.
+            body("d", "c", ", follows = \"a\", ratio = -1.5"),
+            body("e", "d", "")
+        );
+        let model = Model::from_toml(&text, "r.toml").expect("a robot");
+        assert_eq!(model.nv(), 6 + 4);
+        let mut dynamics = Dynamics::new(&model);
+        let q: Vec<f64> = (0..model.nq()).map(|k| if k < 4 { 0.5 } else { 0.1 * k as f64 }).collect();
+        dynamics.update(&model, &q, &vec![0.0; model.nv()]);
+        let mut factor = TreeFactor::new(&model, &dynamics);
+        assert!(factor.factor(&dynamics.mass_matrix));
+        let right = nalgebra::DVector::from_fn(model.nv(), |k, _| 1.0 - 0.3 * k as f64);
+        let expected = dynamics.mass_matrix.clone().cholesky().expect("positive definite").solve(&right);
+        let mut x = right.as_slice().to_vec();
+        factor.solve_transposed(&mut x);
+        factor.solve(&mut x);
+        assert!((nalgebra::DVector::from_vec(x) - expected).amax() < 1e-12);
+    }
 }

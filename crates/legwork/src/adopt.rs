@@ -152,12 +152,6 @@ impl Understanding {
              # and gravity, the speed too.\nfit = \"planar_humanoid_feet\"\nduration_s = 10.0\n"
         )
     }
-
-    /// Whether the soles are long enough to walk on in the plane.
-    #[must_use]
-    pub fn has_soles(&self) -> bool {
-        self.feet.iter().all(|foot| foot.points.len() > 1)
-    }
 }
 
 /// A model at its zero position, with what is fixed to what.
@@ -166,7 +160,7 @@ struct Links<'a> {
     dynamics: Dynamics,
     /// For each body the one whose joint moves it: its own, or that of what it is fixed to.
     mover: Vec<usize>,
-    /// Points of the shapes of each body: place in the world and radius [m], and whether they are a mesh's.
+    /// Points of the shapes of each body: place in the world and radius [m].
     points: Vec<Vec<(Vector3<f64>, f64)>>,
     /// For each body the kinds of its shapes, and those that could not be read.
     shapes: Vec<(BTreeSet<&'static str>, Vec<String>)>,
@@ -176,15 +170,10 @@ impl<'a> Links<'a> {
     fn of(model: &'a Model, roles: &Roles, read_mesh: ReadMesh<'_>) -> Self {
         let mut dynamics = Dynamics::new(model);
         dynamics.update(model, model.neutral().as_slice(), &vec![0.0; model.nv()]);
-        let mut mover: Vec<usize> = Vec::with_capacity(model.bodies.len());
-        for (index, body) in model.bodies.iter().enumerate() {
-            let carried = body.parent.filter(|_| body.joint.nv() == 0).map(|parent| mover[parent]);
-            mover.push(carried.unwrap_or(index));
-        }
         let mut links = Self {
             model,
             dynamics,
-            mover,
+            mover: (0..model.bodies.len()).map(|body| model.mover(body)).collect(),
             points: vec![Vec::new(); model.bodies.len()],
             shapes: vec![(BTreeSet::new(), Vec::new()); model.bodies.len()],
         };

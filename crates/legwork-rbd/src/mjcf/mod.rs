@@ -29,7 +29,6 @@ use self::inertia::Mass;
 use self::mesh::Meshes;
 use self::robot::Choice;
 use crate::base::Base;
-use crate::content::Content;
 use crate::description::{BodyDescription, Description, FrameDescription, JointDescription};
 use crate::error::{ModelError, Problems};
 use crate::geometry::{Geometry, Shape};
@@ -52,10 +51,7 @@ pub(crate) fn read_mjcf(
 ) -> Result<(Model, Roles), ModelError> {
     let (side_text, side_name) = sidecar.unwrap_or(("", name));
     let side_source = Source::new(side_name, side_text);
-    let side: SideFile = match sidecar {
-        Some(_) => side_source.parse_toml(Content::SideFile, "base, torso, contacts, actuated or passive")?,
-        None => SideFile::default(),
-    };
+    let mut side = SideFile::read(sidecar.is_some(), &side_source)?;
     let texts = Texts::gather(text, name, read)?;
     let sources = texts.sources();
     let documents = texts.documents(&sources)?;
@@ -95,6 +91,7 @@ pub(crate) fn read_mjcf(
     all.extend(warnings);
     let mut named_frames = sites;
     named_frames.extend(frames(&side.frames, &side_source)?);
+    let roles = side.roles(side_name, geometry);
     let description = Description {
         file: name.to_owned(),
         name: tree.root().get("model").unwrap_or("MuJoCo Model").to_owned(),
@@ -108,15 +105,7 @@ pub(crate) fn read_mjcf(
         inertias: side.inertias,
         locked: side.locked,
         locks_massless: true,
-        roles: Roles {
-            file: side_name.to_owned(),
-            torso: side.torso,
-            feet: side.feet,
-            forward: side.forward,
-            postures: side.postures,
-            geometry,
-            ..Roles::default()
-        },
+        roles,
     };
     let (mut model, roles) = description.build()?;
     // They have none by design.
