@@ -161,13 +161,18 @@ impl Robot {
 
     fn inertial(&self, element: Element, notes: &mut Notes) -> Result<Inertial, ModelError> {
         notes.ignored.note(&element, &["origin", "mass", "inertia"], &[]);
-        let (mass, inertia) = (element.needed("mass")?, element.needed("inertia")?);
-        notes.ignored.note(&mass, &[], &["value"]);
-        notes.ignored.note(&inertia, &[], &["ixx", "ixy", "ixz", "iyy", "iyz", "izz"]);
-        let mut number =
-            |element: &Element, key: &str| notes.problems.keep(element.needed_number(key)).unwrap_or_default();
-        let [xx, xy, xz, yy, yz, zz] = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"].map(|key| number(&inertia, key));
-        let mass = number(&mass, "value");
+        let mut part = |name: &str, keys: &[&str]| {
+            let part = notes.problems.keep(element.needed(name));
+            part.inspect(|part| notes.ignored.note(part, &[], keys))
+        };
+        let keys = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"];
+        let (mass, inertia) = (part("mass", &["value"]), part("inertia", &keys));
+        let mut number = |element: Option<Element>, key: &str| {
+            let number = element.map(|element| element.needed_number(key));
+            number.and_then(|number| notes.problems.keep(number)).unwrap_or_default()
+        };
+        let [xx, xy, xz, yy, yz, zz] = keys.map(|key| number(inertia, key));
+        let mass = number(mass, "value");
         Ok(Inertial {
             origin: self.origin(&element, notes)?,
             mass,

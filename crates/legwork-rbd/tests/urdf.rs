@@ -502,6 +502,9 @@ fn all_that_is_wrong_is_told_at_once() {
     ] {
         assert!(message.lines().any(|found| found == line), "{message}");
     }
+    let inertia = "<inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/>";
+    let message = read(&edited(&[("value=\"2\"", "value=\"two\""), (inertia, "")])).unwrap_err();
+    assert!(message.contains("<inertia> is missing") && message.contains("mass value is \"two\""), "{message}");
     let files = Model::from_urdf(
         &edited(&[("value=\"2\"", "value=\"-2\"")]),
         "r.urdf",
